@@ -33,6 +33,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("errands", "errands", false),
     home!("explore", "explore-room", false),
     home!("forager", "forager", false),
+    home!("four-pillars", "four-pillars", false),
     home!("goose", "nest", false),
     home!("hall", "hall", false),
     home!("larva", "ecoli-one", true),

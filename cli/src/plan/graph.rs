@@ -59,7 +59,11 @@ struct GraphResult {
 }
 
 /// The graph of a file.
-pub(super) fn of_file<'a>(args: &'a PlanArgs, file: &Path, from: Point) -> anyhow::Result<GraphTask<'a>> {
+pub(super) fn of_file<'a>(
+    args: &'a PlanArgs,
+    file: &Path,
+    [from, to]: [Point; 2],
+) -> anyhow::Result<GraphTask<'a>> {
     let refused = |problem: String| Refused::error(format!("{}: {problem}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|error| refused(error.to_string()))?;
     let is_json = file.extension().is_some_and(|extension| extension == "json");
@@ -73,7 +77,7 @@ pub(super) fn of_file<'a>(args: &'a PlanArgs, file: &Path, from: Point) -> anyho
     let read: GraphFile = baudbot_fields::read(table).map_err(|error| refused(error.to_string()))?;
     let nodes = read.nodes.iter().map(|node| Point::new(node.x_m, node.y_m)).collect();
     let graph = NodeGraph::new(nodes, read.edges).map_err(|error| refused(in_file(&error)))?;
-    let (start, target) = (graph.nearest(from), graph.nearest(args.to));
+    let (start, target) = (graph.nearest(from), graph.nearest(to));
     Ok(GraphTask { args, graph, drawn: None, start, target })
 }
 
@@ -195,15 +199,12 @@ impl GraphTask<'_> {
         let blocked = self.drawn.map(|task| map::runs(&task.grid, |cell| !task.grid.is_free(cell)));
         Route {
             blocked: blocked.unwrap_or_default(),
-            looked_at: Vec::new(),
-            cells: Vec::new(),
             nodes: self.graph.nodes().to_vec(),
             edges: self.graph.edges().iter().map(|edge| edge.map(at)).collect(),
             nodes_looked_at: plan.touched.iter().map(|&node| at(node)).collect(),
-            start: None,
-            target: None,
             path: points.to_vec(),
             notes: vec![method, effort(plan), path],
+            ..Route::default()
         }
     }
 }

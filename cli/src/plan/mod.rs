@@ -1,8 +1,10 @@
 //! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and the cells that the search examined.
 //!
 //! [`map`] makes cells of the arena as a brain would that knows its walls; [`planned_path`] finds a path through them, by
-//! `baudbot_brains::planning`; [`arena`] shows both. [`graph`] does the same on nodes and edges.
+//! `baudbot_brains::planning`; [`arena`] shows both. [`graph`] does the same on nodes and edges; [`field`] follows a
+//! point down a potential field of Section 6.2.2.
 
+mod field;
 mod graph;
 mod map;
 mod planned_path;
@@ -33,11 +35,15 @@ pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     let robot = robot(args.robot.as_deref(), &scenario.robots)?;
-    if let Some(file) = &args.graph {
-        let from = args.from.unwrap_or(robot.start.pose.position);
-        return graph::of_file(args, file, from)?.plan(&scenario, source.label());
+    let from = args.from.unwrap_or(robot.start.pose.position);
+    if let Some(brain) = &args.field {
+        return field::plan(args, brain, from, &scenario, source.label());
     }
-    let task = Task::new(args, &scenario, robot)?;
+    let to = args.to.ok_or_else(|| Refused::error("--to: is missing; give it the goal"))?;
+    if let Some(file) = &args.graph {
+        return graph::of_file(args, file, [from, to])?.plan(&scenario, source.label());
+    }
+    let task = Task::new(args, &scenario, robot, [from, to])?;
     if let Some(spacing_m) = args.spacing_m {
         return graph::of_free_space(&task, spacing_m, scenario.seed)?.plan(&scenario, source.label());
     }
@@ -98,7 +104,12 @@ struct Found {
 }
 
 impl<'a> Task<'a> {
-    fn new(args: &'a PlanArgs, scenario: &Scenario, robot: &'a RobotSpec) -> anyhow::Result<Self> {
+    fn new(
+        args: &'a PlanArgs,
+        scenario: &Scenario,
+        robot: &'a RobotSpec,
+        [from, to]: [Point; 2],
+    ) -> anyhow::Result<Self> {
         if args.margin_m < 0.0 {
             return Err(Refused::error(format!("--margin-m: must be 0 or more, is {}", args.margin_m)));
         }
@@ -114,8 +125,7 @@ impl<'a> Task<'a> {
                 format!("--cell-m {}: {error}", args.cell_m)
             })
         })?;
-        let from = args.from.unwrap_or(robot.start.pose.position);
-        Ok(Self { args, robot, grid, clearance_m, from, to: args.to })
+        Ok(Self { args, robot, grid, clearance_m, from, to })
     }
 
     fn free_cells(&self) -> usize {
@@ -219,13 +229,11 @@ impl<'a> Task<'a> {
             blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
             looked_at: map::runs(&self.grid, |cell| path.touched.contains(&cell)),
             cells: path.cells.clone(),
-            nodes: Vec::new(),
-            edges: Vec::new(),
-            nodes_looked_at: Vec::new(),
             start: cell(self.from).filter(|_| is_grid),
             target: cell(self.to).filter(|_| is_grid),
             path: path.points.clone(),
             notes,
+            ..Route::default()
         }
     }
 }
