@@ -37,6 +37,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("goose", "nest", false),
     home!("hall", "hall", false),
     home!("larva", "ecoli-one", true),
+    home!("lobby", "lobby", false),
     home!("mower", "mower", false),
     home!("navigate", "arsim", false),
     home!("patient", "patient", false),

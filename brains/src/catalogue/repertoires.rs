@@ -26,6 +26,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("four-pillars", include_str!("../../repertoires/four-pillars.toml")),
     ("goose", include_str!("../../repertoires/goose.toml")),
     ("hall", include_str!("../../repertoires/hall.toml")),
+    ("lobby", include_str!("../../repertoires/lobby.toml")),
     ("mower", include_str!("../../repertoires/mower.toml")),
     ("patient", include_str!("../../repertoires/patient.toml")),
     ("pillar", include_str!("../../repertoires/pillar.toml")),
