@@ -72,6 +72,7 @@ mod questions;
 mod standard;
 #[cfg(test)]
 mod starting_over;
+mod steering;
 #[cfg(test)]
 mod test_body;
 mod throttle;

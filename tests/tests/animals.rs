@@ -65,9 +65,9 @@ const ANT: &str = include_str!("../../catalogue/scenarios/ant.toml");
 
 /// The distance of an ant from its nest when its vector is at an end, and at its own end; and whether it knows that
 /// it is home.
-fn ant(seed: u64) -> (f64, f64, bool) {
+fn ant(toml: &str, brain: &str, seed: u64) -> (f64, f64, bool) {
     let mut local =
-        InProcess::new(scenario(ANT, &[&format!("seed={seed}"), "end.after_s=120.0"]), "ant").unwrap();
+        InProcess::new(scenario(toml, &[&format!("seed={seed}"), "end.after_s=120.0"]), brain).unwrap();
     let distance_m = |local: &InProcess| {
         let at = local.world.robot(0).motion().pose.position;
         at.x.hypot(at.y)
@@ -89,8 +89,8 @@ fn ant(seed: u64) -> (f64, f64, bool) {
 }
 
 /// Mean distances over these seeds: where the vector ends, and at home; and how many came home.
-fn ants(seeds: std::ops::RangeInclusive<u64>) -> (f64, f64, usize) {
-    let runs: Vec<_> = seeds.map(ant).collect();
+fn ants(toml: &str, brain: &str, seeds: std::ops::RangeInclusive<u64>) -> (f64, f64, usize) {
+    let runs: Vec<_> = seeds.map(|seed| ant(toml, brain, seed)).collect();
     let mean = |of: fn(&(f64, f64, bool)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
     (mean(|run| run.0), mean(|run| run.1), runs.iter().filter(|run| run.2).count())
 }
@@ -98,15 +98,28 @@ fn ants(seeds: std::ops::RangeInclusive<u64>) -> (f64, f64, usize) {
 /// §4.4.4: the vector leads near to the nest, and the landmarks lead to it.
 #[test]
 fn an_ant_comes_home_by_its_snapshot_where_its_vector_is_wrong() {
-    let (vector_m, home_m, came) = ants(1..=3);
+    let (vector_m, home_m, came) = ants(ANT, "ant", 1..=3);
     assert_eq!(came, 3);
     assert!(home_m < 0.12 && home_m < 0.6 * vector_m, "{home_m} instead of {vector_m}");
+}
+
+const EPHEMERIS: &str = include_str!("../../catalogue/scenarios/ephemeris.toml");
+
+/// §4.4.4: with an ephemeris function the vector leads to the nest though the sun goes on; and where no landmark stands, the smell tells where it is.
+#[test]
+fn an_ant_corrects_its_compass_by_the_time_of_day() {
+    let (with_m, home_m, came) = ants(EPHEMERIS, "ant:sun_rad_s=-0.01", 1..=3);
+    let (without_m, ..) = ants(EPHEMERIS, "ant", 1..=3);
+    assert_eq!(came, 3);
+    assert!(with_m < 0.2 && with_m < 0.25 * without_m, "{with_m} instead of {without_m}");
+    // The smell is above a half within 0.24 m.
+    assert!(home_m < 0.3, "{home_m}");
 }
 
 #[test]
 #[ignore = "8 s of forty runs; three of them always run"]
 fn forty_ants_come_home() {
-    let (vector_m, home_m, came) = ants(1..=40);
+    let (vector_m, home_m, came) = ants(ANT, "ant", 1..=40);
     println!("vector {vector_m:.3} m, home {home_m:.3} m, {came} of 40");
     assert!(came == 40 && home_m < 0.15 && vector_m > 0.3, "{vector_m} {home_m} {came}");
 }

@@ -7,6 +7,7 @@ use baudbot_brains::Chance;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
 use baudbot_client::Body;
+use baudbot_sim::Ending;
 use baudbot_tests::{InProcess, scenario};
 
 const WEDGE: &str = include_str!("../../catalogue/scenarios/wedge.toml");
@@ -216,4 +217,43 @@ fn traps_are_left_and_no_pillar_is_touched() {
 fn traps_are_left_from_20_starts_by_bodies_of_three_sizes() {
     let wrong = wrong(&ALL, &[0.1, 0.15, 0.2], 0..20);
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Collisions of a run of a built-in scenario, and whether it reached its goal.
+fn built_in(toml: &str, brain: &str, changes: &[&str]) -> (u64, bool) {
+    let mut local = InProcess::new(scenario(toml, changes), brain).unwrap();
+    while local.world.ending().is_none() {
+        local.tick(|_| {});
+    }
+    let is_there = matches!(local.world.ending(), Some(Ending::GoalReached(_)));
+    (local.world.robot(0).counters().collisions, is_there)
+}
+
+/// Fig. 6.12: nine potentials, and a robot that follows their gradient to the upper left corner.
+#[test]
+fn a_robot_goes_down_the_nine_potentials_of_four_pillars_and_four_walls() {
+    const PILLARS: &str = include_str!("../../catalogue/scenarios/four-pillars.toml");
+    for start in ["y_m=-1.6", "y_m=-0.5", "y_m=1.0"] {
+        let change = format!("robots.robot.start.{start}");
+        assert_eq!(built_in(PILLARS, "four-pillars", &[&change]), (0, true), "{start}");
+    }
+}
+
+/// §6.2.2: the path of the grid alone leads into people, and a potential field bends it around them.
+#[test]
+fn a_field_bends_the_path_of_the_grid_around_people() {
+    const LOBBY: &str = include_str!("../../catalogue/scenarios/lobby.toml");
+    let blind = "lobby:motor.follow.parameters.field.alpha=0";
+    let (mut hits, mut blind_hits) = (0, 0);
+    for later in 0..8 {
+        // People begin elsewhere on their ways.
+        let changes = ["ann", "ben", "cat"]
+            .map(|name| format!("arena.movers.{name}.stops.pause_s={}", 0.5 * f64::from(later)));
+        let changes: Vec<_> = changes.iter().map(String::as_str).collect();
+        let (collisions, is_there) = built_in(LOBBY, "lobby", &changes);
+        assert!(is_there, "{later}: {collisions}");
+        hits += collisions;
+        blind_hits += built_in(LOBBY, blind, &changes).0;
+    }
+    assert!(hits == 0 && blind_hits >= 3, "{hits} instead of {blind_hits}");
 }

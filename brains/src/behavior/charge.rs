@@ -4,10 +4,10 @@ use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, math};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering};
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
 use crate::senses::Source;
+use crate::steering::{Helm, Steering};
 
 /// The place of the charger, and the charge that is enough.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

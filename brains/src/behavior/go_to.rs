@@ -4,10 +4,10 @@ use baudbot_brain::Signals;
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering, braking};
 use crate::navigation::Goals;
 use crate::parameter::ParameterError;
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// The points of the tour and the steering.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -8,8 +8,7 @@ pub mod follow_wall;
 pub mod go_to;
 pub mod home;
 pub mod square;
-pub(crate) mod steering;
 pub mod taxis;
 pub mod turn_away;
 
-pub use steering::Steering;
+pub use crate::steering::Steering;

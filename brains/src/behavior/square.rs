@@ -13,9 +13,9 @@ use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Direction, Point, Pose, Vector, angle};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering, braking};
 use crate::parameter::{ParameterError, check_positive};
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// The square, and how it is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

@@ -23,8 +23,10 @@ const PLACING: &[&str] = &["explore", "laser_localization", "particle_localizati
 const BUILT_IN: &[(&str, &str)] = &[
     ("forager", include_str!("../../repertoires/forager.toml")),
     ("errands", include_str!("../../repertoires/errands.toml")),
+    ("four-pillars", include_str!("../../repertoires/four-pillars.toml")),
     ("goose", include_str!("../../repertoires/goose.toml")),
     ("hall", include_str!("../../repertoires/hall.toml")),
+    ("lobby", include_str!("../../repertoires/lobby.toml")),
     ("mower", include_str!("../../repertoires/mower.toml")),
     ("patient", include_str!("../../repertoires/patient.toml")),
     ("pillar", include_str!("../../repertoires/pillar.toml")),

@@ -9,12 +9,11 @@ use serde::Deserialize;
 
 use super::passage::Passage;
 use super::regions::{Parts, Region, Rows, regions};
-use crate::behavior::Steering;
-use crate::behavior::steering::{Helm, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Method, Path, Pursuit};
 use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// Parameters: the floor and the way in which it is covered.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -98,6 +98,12 @@ impl Description {
         self.raw.motor.values().chain(self.raw.cognitive.values()).map(|process| process.kind.as_str())
     }
 
+    /// The parameters of its motor behaviours of a kind, with their names.
+    pub fn parameters_of(&self, kind: &str) -> impl Iterator<Item = (&str, &Table)> {
+        let of_kind = self.raw.motor.iter().filter(move |(_, process)| process.kind == kind);
+        of_kind.map(|(name, process)| (name.as_str(), &process.parameters))
+    }
+
     /// The most frequent writing. A policy answers each message, though the cable may still be taken.
     pub fn writes(&self) -> Writes {
         if self.raw.policy.is_some() { Writes::EveryTick } else { Writes::WhenFree }

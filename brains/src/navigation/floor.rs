@@ -62,6 +62,11 @@ impl Floor {
         self.grid.cell_at(point).is_some_and(|cell| self.grid.is_free(cell))
     }
 
+    /// The distance between a point and the nearest wall, in metres.
+    pub fn wall_m(&self, point: Point) -> f64 {
+        self.walls.iter().map(|wall| wall.distance(point)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether a body may go straight from one point to the other. To half the diagonal of a cell: it looks along the line
     /// from the centre of the one cell to that of the other.
     pub fn is_clear(&self, from: Point, to: Point) -> bool {

@@ -1,7 +1,7 @@
 //! Pure pursuit: which point of a path to drive at. Coulter 1992 (CMU-RI-TR-92-01).
 //!
 //! It is the point that is one look-ahead distance farther along than the place of the path that is nearest. The helm drives
-//! at it on a circle: [`Helm::pursue`](crate::behavior::steering::Helm::pursue).
+//! at it on a circle: [`Helm::pursue`](crate::steering::Helm::pursue).
 //!
 //! *Deviation*: that circle cuts corners, by up to a third of the look-ahead distance. Therefore the point comes nearer until
 //! a body may go there in a straight line, down to a quarter of the distance; near a corner the circle is tighter then, and

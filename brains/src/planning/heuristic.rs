@@ -24,8 +24,11 @@ pub enum Heuristic {
 impl Heuristic {
     /// The estimate, in cells.
     pub fn estimate(self, from: Cell, to: Cell) -> f64 {
-        let columns = f64::from(from.column.abs_diff(to.column));
-        let rows = f64::from(from.row.abs_diff(to.row));
+        self.over(f64::from(from.column.abs_diff(to.column)), f64::from(from.row.abs_diff(to.row)))
+    }
+
+    /// The estimate for an offset, in its unit. Neither part of it is negative.
+    pub(super) fn over(self, columns: f64, rows: f64) -> f64 {
         match self {
             Self::Manhattan => columns + rows,
             Self::Euclidean => math::hypot(columns, rows),

@@ -10,6 +10,8 @@
 //! | [`a_star`] | a shortest path, sooner | named in §6.2.1; Hart, Nilsson and Raphael 1968 |
 //! | [`theta_star`] | a path that may turn by any angle | Nash, Daniel, Koenig and Felner 2007 |
 //!
+//! A [`NodeGraph`] has nodes anywhere, and edges between them, for the same searches: Fig. 6.5, left.
+//!
 //! A [`CellGrid`] covers the free part of a grid with few large convex cells instead, and finds a path that runs
 //! straight on through them: Fig. 6.6.
 //!
@@ -30,8 +32,10 @@ mod grid;
 mod heuristic;
 mod inflate;
 mod moves;
+mod nodes;
 mod plan;
 mod rectangles;
+mod scatter;
 mod search;
 mod sight;
 mod text;
@@ -46,6 +50,7 @@ pub use cells::{CellGrid, Door, Route};
 pub use grid::{Grid, GridError};
 pub use heuristic::{Heuristic, Penalised, obstacles};
 pub use moves::Moves;
+pub use nodes::{NodeGraph, NodeGraphError, NodePlan, NodePlanError};
 pub use plan::{End, Plan, PlanError};
 pub(crate) use search::cheapest;
 pub use search::{a_star, dijkstra, greedy};

@@ -91,18 +91,34 @@ impl Graph for Weighted<'_> {
     }
 }
 
-struct Search<'a> {
-    grid: &'a Grid,
-    target: Cell,
-    moves: Moves,
-    order: Order,
+/// The graph of a grid's cells, as a search sees it.
+pub(super) struct Search<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) target: Cell,
+    pub(super) moves: Moves,
+    pub(super) order: Order,
 }
 
+/// The order of the open list, with the heuristic that it needs.
 #[derive(Clone, Copy)]
-enum Order {
+pub(super) enum Order {
+    /// Dijkstra's algorithm.
     Cost,
+    /// A\*.
     Sum(Penalised),
+    /// Best-first search.
     Estimate(Penalised),
+}
+
+impl Order {
+    /// The key of the list.
+    pub(super) fn rank(self, cost: f64, estimate: f64) -> f64 {
+        match self {
+            Self::Cost => cost,
+            Self::Sum(_) => cost + estimate,
+            Self::Estimate(_) => estimate,
+        }
+    }
 }
 
 impl Graph for Search<'_> {
@@ -121,11 +137,7 @@ impl Graph for Search<'_> {
     }
 
     fn rank(&self, cost: f64, estimate: f64) -> f64 {
-        match self.order {
-            Order::Cost => cost,
-            Order::Sum(_) => cost + estimate,
-            Order::Estimate(_) => estimate,
-        }
+        self.order.rank(cost, estimate)
     }
 }
 

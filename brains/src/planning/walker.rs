@@ -7,10 +7,12 @@
 
 use baudbot_geometry::grid::Cell;
 
+use super::best_first::Graph;
 use super::grid::Grid;
 use super::heuristic::Penalised;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};
+use super::search::{Order, Search};
 
 /// Walks by Fig. 6.7. Of neighbours that seem equally near, the first in the order of [`Moves::neighbours`] is taken.
 ///
@@ -23,31 +25,49 @@ pub fn walk(
     moves: Moves,
     heuristic: impl Into<Penalised>,
 ) -> Result<Plan, PlanError> {
-    let heuristic = heuristic.into();
     check_ends(grid, start, target)?;
-    let (mut visited, mut seen) = (vec![false; grid.len()], vec![false; grid.len()]);
-    seen[grid.number(start)] = true;
-    let (mut cells, mut touched, mut length) = (vec![start], vec![start], 0.0);
-    let mut current = start;
-    while current != target {
-        visited[grid.number(current)] = true;
-        let mut best = None;
-        for (next, step) in moves.neighbours(grid, current).filter(|(next, _)| !visited[grid.number(*next)]) {
-            if !std::mem::replace(&mut seen[grid.number(next)], true) {
-                touched.push(next);
-            }
-            let cost = heuristic.estimate(grid, next, target);
-            if best.is_none_or(|(_, _, least)| cost < least) {
-                best = Some((next, step, cost));
-            }
-        }
-        let Some((next, step, _)) = best else {
-            let moves = cells.len() - 1;
-            return Err(PlanError::DeadEnd { cell: current, moves, walked: cells, touched });
-        };
-        length += step;
-        cells.push(next);
-        current = next;
+    let graph = Search { grid, target, moves, order: Order::Estimate(heuristic.into()) };
+    let walk = Walk::new(&graph, grid.len(), grid.number(start), grid.number(target));
+    let cells = |nodes: Vec<usize>| nodes.into_iter().map(|node| grid.cell(node)).collect::<Vec<_>>();
+    let (end, moves) = (grid.cell(walk.end), walk.path.len() - 1);
+    let (cells, touched) = (cells(walk.path), cells(walk.touched));
+    if end != target {
+        return Err(PlanError::DeadEnd { cell: end, moves, walked: cells, touched });
     }
-    Ok(Plan { length_m: length * grid.cell_m(), expanded: cells.clone(), cells, touched })
+    Ok(Plan { length_m: walk.length * grid.cell_m(), expanded: cells.clone(), cells, touched })
+}
+
+/// A walk over any graph. It is stuck if its end is not the target.
+pub(super) struct Walk {
+    pub(super) path: Vec<usize>,
+    pub(super) touched: Vec<usize>,
+    pub(super) length: f64,
+    pub(super) end: usize,
+}
+
+impl Walk {
+    /// Walks over a graph with so many nodes. Of equally good neighbours the first is taken.
+    pub(super) fn new(graph: &impl Graph, nodes: usize, start: usize, target: usize) -> Self {
+        let (mut visited, mut seen) = (vec![false; nodes], vec![false; nodes]);
+        seen[start] = true;
+        let mut walk = Self { path: vec![start], touched: vec![start], length: 0.0, end: start };
+        while walk.end != target {
+            visited[walk.end] = true;
+            let mut best = None;
+            for (next, step) in graph.neighbours(walk.end).filter(|(next, _)| !visited[*next]) {
+                if !std::mem::replace(&mut seen[next], true) {
+                    walk.touched.push(next);
+                }
+                let cost = graph.estimate(next);
+                if best.is_none_or(|(_, _, least)| cost < least) {
+                    best = Some((next, step, cost));
+                }
+            }
+            let Some((next, step, _)) = best else { break };
+            walk.length += step;
+            walk.path.push(next);
+            walk.end = next;
+        }
+        walk
+    }
 }

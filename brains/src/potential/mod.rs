@@ -3,10 +3,12 @@
 pub mod behavior;
 pub mod field;
 
+mod descent;
 mod detour;
 mod felt;
 mod lock;
 mod terrain;
 
 pub use behavior::PotentialField;
+pub use descent::Descent;
 pub use field::{Field, Potential};

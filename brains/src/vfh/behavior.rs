@@ -8,12 +8,11 @@ use super::candidates::{Wanted, choose};
 use super::histogram::{Histogram, Window};
 use super::memory::Memory;
 use super::sight::{self, Sight};
-use crate::behavior::Steering;
-use crate::behavior::steering::{Helm, braking};
 use crate::navigation::Goals;
 use crate::odometry::Odometry;
 use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// The goals, and the sensors that it heeds on its way.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

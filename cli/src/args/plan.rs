@@ -14,8 +14,8 @@ pub(crate) struct PlanArgs {
     /// A scenario file, or a built-in scenario, such as wander or devices/laser (`baudbot list`)
     pub(crate) scenario: String,
     /// Goal of the path, in metres
-    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
-    pub(crate) to: Point,
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point, required_unless_present = "field")]
+    pub(crate) to: Option<Point>,
     /// Start of the path, in metres [default: the robot's start]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
     pub(crate) from: Option<Point>,
@@ -37,6 +37,15 @@ pub(crate) struct PlanArgs {
     /// Clearance between the robot's rim and walls, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) margin_m: f64,
+    /// Plan on the nodes and edges of this TOML or JSON file, in place of square cells, from the node nearest to the start to the one nearest to the goal
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["spacing_m", "steps", "penalty", "cell_m", "margin_m"])]
+    pub(crate) graph: Option<PathBuf>,
+    /// Plan on nodes that are at least so far apart, in metres, drawn from the free cells by the seed; edges join neighbours that see each other
+    #[arg(long, value_name = "M", conflicts_with_all = ["steps", "penalty"], value_parser = finite)]
+    pub(crate) spacing_m: Option<f64>,
+    /// Follow a point down the potential field of this brain, with its goal; the picture has the field's contours
+    #[arg(long, value_name = "BRAIN", conflicts_with_all = ["to", "method", "heuristic", "graph", "spacing_m", "steps", "penalty", "cell_m", "margin_m"])]
+    pub(crate) field: Option<String>,
     /// The robot to plan for [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
@@ -128,7 +137,11 @@ Examples:
   baudbot plan wander --to 1.4,1.4               the length of the path, and the cells examined
   baudbot plan explore-office --to 11,8 --method cells --svg way.svg
   baudbot plan grid-wall --to 17.5,10.5 --cell-m 1 --method walker --svg -
+  baudbot plan explore-office --to 11,8 --spacing-m 0.8 --method dijkstra --svg way.svg
+  baudbot plan my.toml --to 3,2 --graph nodes.toml
+  baudbot plan four-pillars --field four-pillars --svg field.svg
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
 
 The map contains the stationary things in the arena, at any height; moving things are not in it. A cell is free if all of it
-is farther from every wall than the robot's radius plus the margin. The exit code is 1 if the walker gets stuck.";
+is farther from every wall than the robot's radius plus the margin. A file for --graph has nodes = [{ x_m = 0.5, y_m = 1.0 }, ...] and edges = [[0, 1], ...], which count the nodes from 0; it is not
+held against the walls. The exit code is 1 if the walker gets stuck, or the point on a field.";

@@ -22,7 +22,7 @@ pub(super) fn grid(arena: &Arena, cell_m: f64, clearance_m: f64) -> Result<Grid,
 }
 
 /// The box around all that stands in it.
-fn bounds(arena: &Arena) -> Option<Bounds> {
+pub(super) fn bounds(arena: &Arena) -> Option<Bounds> {
     let polygons = arena.polygons().iter().filter_map(|polygon| Bounds::of_points(&polygon.points));
     let pillars = arena.pillars().iter().map(|pillar| Bounds::of_circle(&pillar.circle));
     polygons.chain(pillars).reduce(|a, b| a.union(&b))

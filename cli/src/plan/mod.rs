@@ -1,8 +1,11 @@
 //! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and the cells that the search examined.
 //!
 //! [`map`] makes cells of the arena as a brain would that knows its walls; [`planned_path`] finds a path through them, by
-//! `baudbot_brains::planning`; [`arena`] shows both.
+//! `baudbot_brains::planning`; [`arena`] shows both. [`graph`] does the same on nodes and edges; [`field`] follows a
+//! point down a potential field of Section 6.2.2.
 
+mod field;
+mod graph;
 mod map;
 mod planned_path;
 
@@ -27,24 +30,48 @@ use crate::text::{self, pairs};
 
 pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let svg = args.svg.iter().map(|path| ("--svg", path.as_path()));
-    Inputs::of(&args.scenario, &args.changes).check(svg)?;
+    let inputs = Inputs::of(&args.scenario, &args.changes);
+    args.graph.iter().fold(inputs, |all, path| all.file("graph", path)).check(svg)?;
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     let robot = robot(args.robot.as_deref(), &scenario.robots)?;
-    let task = Task::new(args, &scenario, robot)?;
+    let from = args.from.unwrap_or(robot.start.pose.position);
+    if let Some(brain) = &args.field {
+        return field::plan(args, brain, from, &scenario, source.label());
+    }
+    let to = args.to.ok_or_else(|| Refused::error("--to: is missing; give it the goal"))?;
+    if let Some(file) = &args.graph {
+        return graph::of_file(args, file, [from, to])?.plan(&scenario, source.label());
+    }
+    let task = Task::new(args, &scenario, robot, [from, to])?;
+    if let Some(spacing_m) = args.spacing_m {
+        return graph::of_free_space(&task, spacing_m, scenario.seed)?.plan(&scenario, source.label());
+    }
     let path =
         PlannedPath::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
-    let code = if path.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    let picture = || arena::draw_route(&scenario, source.label(), &task.route(&path));
+    show(args, picture, &task.found(&path), &task.words(&path), path.is_stuck)
+}
+
+/// Shows a result as the arguments ask for it.
+fn show(
+    args: &PlanArgs,
+    picture: impl FnOnce() -> String,
+    found: &impl Serialize,
+    words: &str,
+    is_stuck: bool,
+) -> anyhow::Result<ExitCode> {
+    let code = if is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
     if let Some(svg) = &args.svg {
-        text::write(svg, &arena::draw_route(&scenario, source.label(), &task.route(&path)))?;
+        text::write(svg, &picture())?;
         if svg.as_os_str() == "-" {
             return Ok(code);
         }
     }
     if args.json {
-        text::print_json(&task.found(&path))?;
+        text::print_json(found)?;
     } else {
-        text::print(&task.words(&path))?;
+        text::print(words)?;
     }
     Ok(code)
 }
@@ -77,7 +104,12 @@ struct Found {
 }
 
 impl<'a> Task<'a> {
-    fn new(args: &'a PlanArgs, scenario: &Scenario, robot: &'a RobotSpec) -> anyhow::Result<Self> {
+    fn new(
+        args: &'a PlanArgs,
+        scenario: &Scenario,
+        robot: &'a RobotSpec,
+        [from, to]: [Point; 2],
+    ) -> anyhow::Result<Self> {
         if args.margin_m < 0.0 {
             return Err(Refused::error(format!("--margin-m: must be 0 or more, is {}", args.margin_m)));
         }
@@ -93,8 +125,7 @@ impl<'a> Task<'a> {
                 format!("--cell-m {}: {error}", args.cell_m)
             })
         })?;
-        let from = args.from.unwrap_or(robot.start.pose.position);
-        Ok(Self { args, robot, grid, clearance_m, from, to: args.to })
+        Ok(Self { args, robot, grid, clearance_m, from, to })
     }
 
     fn free_cells(&self) -> usize {
@@ -157,7 +188,7 @@ impl<'a> Task<'a> {
         let end = path.points.last().copied().unwrap_or(self.from);
         let led = match path.is_stuck {
             true => format!("stuck at {}: all neighbours were visited", place(end)),
-            false => format!("{} m, {}", metres(path.length_m), bends(path)),
+            false => format!("{} m, {}", metres(path.length_m), bends(&path.points)),
         };
         pairs(
             "",
@@ -192,7 +223,7 @@ impl<'a> Task<'a> {
         notes.push(self.effort(path));
         notes.push(match path.is_stuck {
             true => "it got stuck where the path ends".to_owned(),
-            false => format!("a path of {} m, {}", metres(path.length_m), bends(path)),
+            false => format!("a path of {} m, {}", metres(path.length_m), bends(&path.points)),
         });
         Route {
             blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
@@ -202,6 +233,7 @@ impl<'a> Task<'a> {
             target: cell(self.to).filter(|_| is_grid),
             path: path.points.clone(),
             notes,
+            ..Route::default()
         }
     }
 }
@@ -222,8 +254,8 @@ fn name(method: Method) -> String {
     method.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
-fn bends(path: &PlannedPath) -> String {
-    count(path.points.len().saturating_sub(2), "bend")
+fn bends(points: &[Point]) -> String {
+    count(points.len().saturating_sub(2), "bend")
 }
 
 fn place(point: Point) -> String {

@@ -98,6 +98,88 @@ fn a_walker_that_gets_stuck_says_where_and_ends_with_1() {
     assert_eq!(code, 0, "{out}");
 }
 
+/// Two ways round the wall, over a node below it and one above it. The shorter one is √(8² + 7.5²) + √(7² + 7.5²) m long.
+const NODES: &str = r#"
+    nodes = [{ x_m = 2.5, y_m = 10.5 }, { x_m = 10.5, y_m = 2.0 }, { x_m = 10.5, y_m = 18.0 }, { x_m = 17.5, y_m = 10.5 }]
+    edges = [[0, 1], [1, 3], [0, 2], [2, 3]]
+"#;
+
+#[test]
+fn a_path_leads_over_the_nodes_of_a_file() {
+    let toml = place("nodes.toml");
+    fs::write(&toml, NODES).unwrap();
+    let json = place("nodes.json");
+    let nodes = "[{\"x_m\":2.5,\"y_m\":10.5},{\"x_m\":10.5,\"y_m\":2},{\"x_m\":10.5,\"y_m\":18},{\"x_m\":17.5,\"y_m\":10.5}]";
+    fs::write(&json, format!("{{\"nodes\":{nodes},\"edges\":[[0,1],[1,3],[0,2],[2,3]]}}")).unwrap();
+    for file in [&toml, &json] {
+        for method in ["dijkstra", "a-star"] {
+            let args = ["plan", WALL, "--to", "17,10", "--method", method, "--graph", file.to_str().unwrap()];
+            let said = good(&args);
+            assert!(said.contains("graph      4 nodes, 4 edges\n"), "{said}");
+            assert!(said.contains("to         node 3 at (17.5, 10.5)\n"), "{said}");
+            assert!(said.contains("path       21.2250 m, 1 bend\n"), "{said}");
+        }
+    }
+    let toml = toml.to_str().unwrap();
+    let args = ["plan", WALL, "--to", "17,10", "--graph", toml, "--json", "--method", "greedy"];
+    let found: serde_json::Value = serde_json::from_str(&good(&args)).unwrap();
+    assert_eq!(found["path"], serde_json::json!([0, 2, 3]), "{found}");
+}
+
+#[test]
+fn a_path_leads_over_nodes_that_a_seed_draws_from_free_space() {
+    let plan = |more: &[&str]| {
+        let args =
+            [&["plan", WALL, "--to", "17.5,10.5", "--cell-m", "0.5", "--spacing-m", "2"], more].concat();
+        good(&args)
+    };
+    let found = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&plan(&[more, &["--json"]].concat())).unwrap()
+    };
+    let (shortest, sooner) = (found(&["--method", "dijkstra"]), found(&[]));
+    assert_eq!(shortest["length_m"], sooner["length_m"]);
+    assert!(sooner["nodes_expanded"].as_u64() < shortest["nodes_expanded"].as_u64(), "{sooner}");
+    // Theta* needs 20.85 m on cells of a metre.
+    let length_m = shortest["length_m"].as_f64().unwrap();
+    assert!((20.0..26.0).contains(&length_m), "{length_m}");
+    assert_eq!(found(&[]), sooner);
+    assert_ne!(found(&["--seed", "5"])["points_m"], sooner["points_m"]);
+    let picture = plan(&["--svg", "-"]);
+    let text = roxmltree::Document::parse(&picture).unwrap();
+    let edges = text.descendants().find(|node| node.attribute("class") == Some("edges")).unwrap();
+    let lines = edges.attribute("d").unwrap().matches('M').count() as u64;
+    assert_eq!(Some(lines), sooner["edges"].as_u64());
+}
+
+#[test]
+fn what_is_no_graph_is_refused_with_its_field() {
+    let path = place("no-graph.toml");
+    let refusal = |text: &str, more: &[&str]| {
+        fs::write(&path, text).unwrap();
+        let file = path.to_str().unwrap();
+        let (code, out, err) = baudbot(&[&["plan", WALL, "--to", "17,10", "--graph", file], more].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        err.strip_prefix(&format!("error: {file}: ")).map_or(err.clone(), str::to_owned)
+    };
+    assert_eq!(refusal("nodes = [{ x_m = 1 }]", &[]), "nodes[0]: missing field `y_m`\n");
+    assert_eq!(refusal("nodes = []", &[]), "nodes: a graph has 1 to 1048576 nodes, not 0\n");
+    let edge = "nodes = [{ x_m = 1, y_m = 2 }]\nedges = [[0, 4]]";
+    assert_eq!(refusal(edge, &[]), "edges[0]: there is no node 4; there are 1, counted from 0\n");
+    assert!(
+        refusal("nodes = [{ x_m = inf, y_m = 2 }]", &[]).starts_with("nodes[0]: x_m and y_m must be finite")
+    );
+    assert!(refusal("\nnodes = [", &[]).starts_with("line 2: "), "{}", refusal("\nnodes = [", &[]));
+    let parted = refusal(&NODES.replace("[0, 1], [1, 3], [0, 2], [2, 3]", "[0, 1]"), &[]);
+    assert_eq!(parted, "error: no path leads from node 0 to node 3; add edges to the file\n");
+    let method = refusal(NODES, &["--method", "theta-star"]);
+    assert!(method.starts_with("error: --method: theta-star needs cells; on nodes take walker"), "{method}");
+    assert!(refusal(NODES, &["--penalty", "2"]).contains("cannot be used with"));
+    let (code, _, err) = baudbot(&["plan", WALL, "--to", "17,10", "--spacing-m", "0"]);
+    assert_eq!((code, err.as_str()), (2, "error: --spacing-m: must be positive, is 0\n"));
+    let (_, _, err) = baudbot(&["plan", WALL, "--to", "17,10", "--spacing-m", "0.1"]);
+    assert!(err.starts_with("error: --spacing-m: a spacing of 0.1 m makes more than 1000 nodes"), "{err}");
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_its_option() {
     let refusal = |args: &[&str]| {

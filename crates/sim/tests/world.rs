@@ -262,6 +262,22 @@ fn encoders_count_the_marks_that_passed_and_wrap_on_the_wire() {
     assert!(world.robot(0).motion().travel_m.left < 0.0, "and backwards on the left");
 }
 
+/// A sun that goes round clockwise once in an hour takes the reading of a robot at rest once round the other way.
+#[test]
+fn a_compass_that_goes_by_the_sun_turns_against_it() {
+    let rate = -core::f64::consts::TAU / 3600.0;
+    let compass = format!("[robots.sensors.compass]\nkind = \"compass\"\nsun_rad_s = {rate}");
+    let robot = format!("[[robots]]\nname = \"r\"\nstart = {{ heading_rad = 0.3 }}\n{BODY}\n{compass}\n");
+    let mut world = world(&robot);
+    for _ in 0..1000 {
+        world.begin();
+        let (seconds, heading) =
+            (world.time().as_seconds(), world.robot(0).sensors().next().unwrap().sample[0]);
+        assert!((heading - (0.3 - rate * seconds)).abs() < 1e-12, "{seconds}: {heading}");
+        world.finish(&[]);
+    }
+}
+
 #[test]
 fn the_compass_has_normal_noise_of_its_sigma_and_wraps() {
     let compass = "[robots.sensors.compass]\nkind = \"compass\"\nsigma_rad = 0.05";

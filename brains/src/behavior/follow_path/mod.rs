@@ -2,8 +2,10 @@
 //!
 //! The paths from goal to goal are known from the beginning. The robot plans one to its first goal, and plans again if it has
 //! strayed: because something pushed it, or because localization has corrected its pose. It stands while it plans, since
-//! planning a path through a large map takes longer than one step may. In the notes a path of §6.2.1 is followed from cell to
+//! planning a path through a large map takes longer than one step may. With a `field` it goes around what is on no map (`around`). In the notes a path of §6.2.1 is followed from cell to
 //! cell; everything between planning and wheels is ours.
+
+mod around;
 
 use std::task::{Poll, ready};
 
@@ -11,11 +13,12 @@ use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering, braking};
+use self::around::Around;
 use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Path, Pursuit};
 use crate::parameter::{ParameterError, check_not_negative, check_positive, for_body};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering, braking};
 
 /// The goals, and the walls between which it drives.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -44,6 +47,8 @@ pub struct Parameters {
     /// The first goal comes again after the last.
     #[serde(default)]
     pub again: bool,
+    /// The potential field by which it goes around what is on no map; without it, it does not look.
+    pub field: Option<around::Parameters>,
     /// The gains and speeds of its steering.
     #[serde(default)]
     pub steering: Steering,
@@ -79,6 +84,7 @@ pub struct FollowPath {
     search: ThetaStar,
     /// The goal to which there was no path, and the instant of the next attempt.
     retry: Option<(usize, u64)>,
+    around: Option<Around>,
 }
 
 impl FollowPath {
@@ -107,6 +113,7 @@ impl FollowPath {
             planned: None,
             search: ThetaStar::default(),
             retry: None,
+            around: p.field.as_ref().map(|field| Around::new(field, body, p.look_ahead_m)).transpose()?,
         })
     }
 
@@ -162,6 +169,10 @@ impl FollowPath {
             return Signals::default();
         };
         let part = if self.goals.is_last() { braking(pursuit.left_m()) } else { 1.0 };
+        let down_rad = self.around.as_ref().and_then(|around| around.heading_rad(here, target));
+        if let Some(heading_rad) = down_rad {
+            return self.helm.signals(world_from_robot, heading_rad, part);
+        }
         self.helm.pursue(world_from_robot, target, self.half_track_m, part)
     }
 }
@@ -206,6 +217,9 @@ impl MotorBehavior for FollowPath {
     }
 
     fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        if let Some(around) = &mut self.around {
+            around.look(context.turn, context.beliefs, &self.floor);
+        }
         let Some(estimate) = context.beliefs.pose else { return Some(Signals::default()) };
         let world_from_robot = estimate.world_from_robot;
         let here = world_from_robot.position;

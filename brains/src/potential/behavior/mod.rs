@@ -20,10 +20,9 @@ use super::detour::Detour;
 use super::felt::Felt;
 use super::field::{Field, Potential};
 use super::lock::Lock;
-use crate::behavior::Steering;
-use crate::behavior::steering::Helm;
 use crate::parameter::{ParameterError, check_positive};
 use crate::process::{MotorBehavior, StepContext};
+use crate::steering::{Helm, Steering};
 use crate::vfh::sight;
 
 /// The field, and how it is followed.
@@ -61,6 +60,14 @@ fn passed_m() -> f64 {
 
 fn escape_after_s() -> f64 {
     10.0
+}
+
+impl Parameters {
+    /// The field of goal and obstacles, and of a waypoint.
+    pub fn field(&self, waypoint: Option<&Potential>) -> Field {
+        let all = [self.goal].into_iter().chain(self.obstacles.iter().copied()).chain(waypoint.copied());
+        Field { potentials: all.collect() }
+    }
 }
 
 /// A behaviour that follows a field.
@@ -159,10 +166,7 @@ impl PotentialField {
 
     /// The field as it is now: goal, obstacles, and the next waypoint.
     fn field(&self) -> Field {
-        let p = &self.parameters;
-        let all =
-            [p.goal].into_iter().chain(p.obstacles.iter().copied()).chain(self.waypoints.front().copied());
-        Field { potentials: all.collect() }
+        self.parameters.field(self.waypoints.front())
     }
 
     /// The present target.
@@ -195,7 +199,7 @@ impl PotentialField {
 }
 
 /// Refuses invalid potentials.
-fn check(parameters: &Parameters) -> Result<(), ParameterError> {
+pub(super) fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
     let named = named
         .into_iter()

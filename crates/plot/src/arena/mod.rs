@@ -6,7 +6,7 @@
 //! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
 //!    and `kinds` finds robots that are alike.
 //! 3. `pins` draws the chip of a robot that runs a program of the user's own. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
-//!    `trails`, `route` and `pose_search` draw over it.
+//!    `trails`, `route` and `pose_search` draw over it; `contours` finds the lines of one height of a potential field.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, and `labels` finds room for names.
 //!
 //! The same scenario gives the same bytes on every machine: whatever needs a sine or a root takes it from
@@ -14,6 +14,7 @@
 
 mod block;
 mod body;
+mod contours;
 mod extent;
 mod frame;
 mod ground;
@@ -38,6 +39,7 @@ use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{Scenario, World};
 
 use self::block::{Block, GAP, WIDTH};
+pub use self::contours::{Contour, contours};
 use self::kinds::Kind;
 use self::labels::{Labels, Style};
 pub use self::pose_search::{Attempt, PoseSearch};

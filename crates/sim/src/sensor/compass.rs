@@ -1,4 +1,13 @@
 //! Compass: the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
+//!
+//! ```text
+//! φ_m = φ + h₁ sin(φ + ψ₁) + h₂ sin(2φ + ψ₂) − ω t
+//! ```
+//!
+//! ω is 0 for a needle. A compass that goes by the sun, as that of the desert ant does (Wahde 2016, Section 4.4.4), has the rate of the sun's azimuth,
+//! and the heading is counted from where the sun was at the start.
+//!
+//! Deviations: the notes give neither errors nor a rate. The azimuth changes evenly, as it nearly does at a pole.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,6 +29,8 @@ pub struct Compass {
     pub hard_iron_rad: (f64, f64),
     /// Error of an iron body: size and phase of a sine of twice the heading, in radians.
     pub soft_iron_rad: (f64, f64),
+    /// ω: the rate of the sun's azimuth, by which it goes, in rad/s counter-clockwise; 0 for a needle.
+    pub sun_rad_s: f64,
 }
 
 /// The fields of its table.
@@ -37,6 +48,8 @@ pub(crate) struct Sheet {
     soft_iron_rad: Number<Turn>,
     /// Phase of that error: it is `soft_iron_rad` · sin(2 · heading + phase).
     soft_iron_phase_rad: Number<Turn>,
+    /// Rate of the sun's azimuth, counter-clockwise, of a compass that goes by the sun: the reading is less by the change since the start.
+    sun_rad_s: Number<Turn>,
 }
 
 impl Sense for Compass {
@@ -49,6 +62,7 @@ impl Sense for Compass {
         let device = Self {
             hard_iron_rad: (sheet.hard_iron_rad.get(), sheet.hard_iron_phase_rad.get()),
             soft_iron_rad: (sheet.soft_iron_rad.get(), sheet.soft_iron_phase_rad.get()),
+            sun_rad_s: sheet.sun_rad_s.get(),
         };
         Ok(Built { additive: sheet.sigma_rad.get(), ..Built::new(device, levels(fit.bits, 1, -PI, PI)) })
     }
@@ -68,6 +82,9 @@ impl Sense for Compass {
         }
         if !at.scene.surroundings.zones.is_empty() {
             reading += at.scene.surroundings.compass_offset_at(at.motion.pose.position);
+        }
+        if self.sun_rad_s != 0.0 {
+            reading -= self.sun_rad_s * at.now.as_seconds();
         }
         values[0] = reading;
         Effect::NONE

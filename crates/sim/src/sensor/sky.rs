@@ -71,7 +71,7 @@ fn invert(matrix: &mut [[f64; 4]; 4]) {
         let pivot = core::mem::replace(&mut matrix[k][k], 1.0);
         let row = matrix[k].map(|value| value / pivot);
         matrix[k] = row;
-        for (i, other) in matrix.iter_mut().enumerate().filter(|&(i, _)| i != k) {
+        for (_, other) in matrix.iter_mut().enumerate().filter(|&(i, _)| i != k) {
             let factor = core::mem::replace(&mut other[k], 0.0);
             other.iter_mut().zip(row).for_each(|(value, own)| *value -= factor * own);
         }

@@ -2,7 +2,13 @@
 //!
 //! A compass, or else its odometer, is the sky; the odometer counts its steps; things that stand by themselves in the scan of
 //! its laser are the landmarks. It takes its snapshot once all of these have spoken. What it finds as food is a time: it
-//! turns home after so many seconds.
+//! turns home after so many seconds. If its compass goes by the sun, an ephemeris function corrects the heading by its clock:
+//!
+//! ```text
+//! φ = φ_m + ω t        ω: rate of the sun's azimuth, Section 4.4.4
+//! ```
+//!
+//! A sensor of a field smells the nest: where the smell is strong enough it is home, whatever it sees.
 //!
 //! Deviations: a scan comes late, and the robot may have turned since, so that the directions in it are those of the compass
 //! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside. On its way home it then goes
@@ -29,6 +35,10 @@ pub struct Parameters {
     pub forage_s: f64,
     /// The ant turns aside from what is nearer ahead than this, in metres from the laser.
     pub aside_m: f64,
+    /// ω: the rate of the sun's azimuth that it expects, in rad/s counter-clockwise.
+    pub sun_rad_s: f64,
+    /// The reading of its field sensor from which on it is at the nest.
+    pub smell_above: f64,
     /// Speed of the robot with the signal 1, in m/s.
     pub full_speed_m_s: f64,
 }
@@ -36,7 +46,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let ant = AntParameters { turn_rad_s: 1.0, match_below: 0.03, ..AntParameters::default() };
-        Self { ant, forage_s: 60.0, aside_m: 0.6, full_speed_m_s: 0.5 }
+        Self { ant, forage_s: 60.0, aside_m: 0.6, sun_rad_s: 0.0, smell_above: 0.5, full_speed_m_s: 0.5 }
     }
 }
 
@@ -89,6 +99,18 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         range: 0.0..=100.0,
         field: |p| &mut p.aside_m,
     },
+    Parameter {
+        name: "sun_rad_s",
+        meaning: "rate of the sun's azimuth by which it corrects its compass, in rad/s counter-clockwise",
+        range: -6.3..=6.3,
+        field: |p| &mut p.sun_rad_s,
+    },
+    Parameter {
+        name: "smell_above",
+        meaning: "reading of a field sensor above which it is at the nest",
+        range: 0.0..=1e6,
+        field: |p| &mut p.smell_above,
+    },
     full_speed(|p| &mut p.full_speed_m_s),
 ];
 
@@ -126,6 +148,7 @@ struct Places {
     mount_rad: f64,
     odometer: usize,
     compass: Option<usize>,
+    nose: Option<usize>,
 }
 
 impl AntBrain {
@@ -142,6 +165,7 @@ impl AntBrain {
             odometer: place(SensorKind::Odometer)
                 .filter(|&place| body.sensors[place].components.len() >= 3)?,
             compass: place(SensorKind::Compass),
+            nose: place(SensorKind::Field),
         };
         Some(Self {
             parameters,
@@ -180,7 +204,7 @@ impl AntBrain {
             }
         }
         if let Some((at_ns, values)) = self.places.compass.and_then(|compass| news(turn, compass)) {
-            self.face(at_ns, values[0]);
+            self.face(at_ns, values[0] + self.parameters.sun_rad_s * (at_ns as f64 * 1e-9));
         }
         if let Some(heading_rad) = self.heading_at(turn.at_ns)
             && let Some((at_ns, scan)) = news(turn, self.places.laser)
@@ -196,6 +220,13 @@ impl AntBrain {
             self.scanned_ns = turn.at_ns;
         }
         distance_m
+    }
+
+    /// Whether its last reading of the smell is that of the nest.
+    fn smells_the_nest(&self, turn: &Turn) -> bool {
+        let reading = self.places.nose.and_then(|nose| turn.readings.get(nose)?.as_ref());
+        let smell = reading.and_then(|reading| reading.values.first());
+        smell.is_some_and(|&smell| smell > self.parameters.smell_above)
     }
 
     fn face(&mut self, at_ns: u64, heading_rad: f64) {
@@ -222,7 +253,8 @@ impl AntBrain {
         let seen = if is_old { &[] } else { landmarks.as_slice() };
         let bearings: Vec<_> = seen.iter().map(|landmark| landmark.bearing_rad - heading_rad).collect();
         let food = turn.at_ns.saturating_sub(left_ns) as f64 * 1e-9 >= self.parameters.forage_s;
-        let sensed = Sensed { distance_m, heading_rad, landmarks_rad: &bearings, food, nest: false };
+        let nest = self.smells_the_nest(turn);
+        let sensed = Sensed { distance_m, heading_rad, landmarks_rad: &bearings, food, nest };
         let motion = self.ant.step(&sensed, dt_s);
         let near = seen
             .iter()

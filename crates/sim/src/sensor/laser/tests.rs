@@ -181,6 +181,7 @@ proptest! {
             tick_start,
             tick_end,
             near: None,
+            impulses_n_s: [0.0; 2],
         };
         let (a, b) = (which.0.index(laser.rays() + 1), which.1.index(laser.rays() + 1));
         let which = a.min(b)..a.max(b);
