@@ -18,7 +18,7 @@ impl Chance {
     /// The state of this generator's start and its increment, the high words first: for programs in other languages.
     pub(crate) fn words(seed: u64, name: &str) -> [u64; 4] {
         let SeedWords([low, high, step_low, step_high]) = SeedWords::seed_from_u64(key(seed, name));
-        let wide = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
+        let wide = |high: u64, low: u64| (u128::from(high) << 64) | u128::from(low);
         let step = wide(step_high, step_low) | 1;
         let state = wide(high, low).wrapping_add(step).wrapping_mul(MULTIPLIER).wrapping_add(step);
         [(state >> 64) as u64, state as u64, (step >> 64) as u64, step as u64]
@@ -49,7 +49,7 @@ impl SeedableRng for SeedWords {
 
     fn from_seed(seed: Self::Seed) -> Self {
         let word =
-            |place: usize| (0..8).rev().fold(0, |word, byte| word << 8 | u64::from(seed[8 * place + byte]));
+            |place: usize| (0..8).rev().fold(0, |word, byte| (word << 8) | u64::from(seed[8 * place + byte]));
         Self([0, 1, 2, 3].map(word))
     }
 }

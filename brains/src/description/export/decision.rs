@@ -174,7 +174,7 @@ fn hydraulic(writer: &mut Writer, hydraulic: &Hydraulic) {
         writer.line("if (!(seconds > 0)) return brain->state;");
         for (place, reservoir) in hydraulic.reservoirs.iter().enumerate() {
             writer.start(format_args!("energies[{place}]"), c(reservoir.energy));
-            let releaser = reservoir.releaser.map_or("0".to_owned(), |z| format!("brain->z[{z}]"));
+            let releaser = reservoir.releaser.map_or_else(|| "0".to_owned(), |z| format!("brain->z[{z}]"));
             let numbers =
                 [reservoir.fill_hz, reservoir.capacity, reservoir.outflow_hz, reservoir.spring].map(c);
             let numbers = numbers.map(|number| number.to_string()).join(", ");
@@ -196,7 +196,6 @@ fn hydraulic(writer: &mut Writer, hydraulic: &Hydraulic) {
 
 fn cooperative(writer: &mut Writer, cooperative: &Cooperative) {
     writer.uses(Fragment::Greatest);
-    writer.uses(Fragment::Max);
     let count = cooperative.weights.len();
     writer.field(format_args!("brain_real utilities[{count}]"), "of the motor behaviours");
     writer.field(format_args!("brain_real shares[{count}]"), "of the motor behaviours in the command");
@@ -207,7 +206,10 @@ fn cooperative(writer: &mut Writer, cooperative: &Cooperative) {
         for (place, weight) in cooperative.weights.iter().enumerate() {
             let weight = match weight {
                 Weight::Constant(weight) => c(*weight).to_string(),
-                Weight::Utility(times) => format!("{} * brain_max(brain->utilities[{place}], 0)", c(*times)),
+                Weight::Utility(times) => {
+                    writer.uses(Fragment::Max);
+                    format!("{} * brain_max(brain->utilities[{place}], 0)", c(*times))
+                }
             };
             writer.line(format_args!("brain->shares[{place}] = {weight};"));
         }

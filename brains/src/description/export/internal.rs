@@ -1,5 +1,6 @@
 //! The internal state.
 
+use super::fragment::Fragment;
 use super::writer::{Writer, c, plain};
 use crate::internal::{InternalState, InternalVariable};
 
@@ -32,7 +33,7 @@ fn variable(writer: &mut Writer, place: usize, variable: &InternalVariable) {
     for (motor, rate_hz) in weighted(&variable.during) {
         writer.line(format_args!("if (brain->driving[{motor}]) during += {};", c(rate_hz)));
     }
-    let release = sum(&variable.release).map_or(String::new(), |sum| format!(" + ({sum})"));
+    let release = sum(&variable.release).map_or_else(String::new, |sum| format!(" + ({sum})"));
     writer.line(format_args!("inflow_hz = {}{release} + during;", c(variable.rate_hz)));
     match variable.decay_s.map(c) {
         Some(decay_s) => writer.line(format_args!(
@@ -41,7 +42,7 @@ fn variable(writer: &mut Writer, place: usize, variable: &InternalVariable) {
         None => writer.line(format_args!("next = {h} + seconds * inflow_hz;")),
     }
     let [least, most] = variable.range.map(c);
-    writer.uses(super::fragment::Fragment::Clamp);
+    writer.uses(Fragment::Clamp);
     writer.line(format_args!("if (next == next) {h} = brain_clamp(next, {least}, {most});"));
     for (bound, comparison) in variable.lethal.iter().zip(["<=", ">="]) {
         if let Some(bound) = bound {

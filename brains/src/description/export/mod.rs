@@ -27,7 +27,7 @@ use baudbot_brain::Body;
 
 use super::raw::Raw;
 use super::{DescriptionError, build};
-use crate::composed::Decision;
+use crate::composed::{Composed, Decision};
 use crate::registry::Registry;
 use crate::senses::Mapping;
 use fragment::Fragment;
@@ -73,21 +73,10 @@ pub(super) fn file(raw: &Raw, robot: &Robot<'_>) -> Result<String, DescriptionEr
 
 /// All of a brain of processes; the text of `brain_turn`.
 fn processes(writer: &mut Writer, raw: &Raw, robot: &Robot<'_>) -> Result<String, DescriptionError> {
-    if let Some(name) = raw.cognitive.keys().next() {
-        let problem = "cognitive processes cannot be exported: they keep maps and lists of any length; leave it out if no behaviour \
-                       needs it";
-        return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
-    }
     let exported = raw.motor.iter().enumerate();
     let exported: Vec<_> =
         exported.map(|(place, (name, process))| Exported { place, name, process }).collect();
-    exported.iter().try_for_each(Exported::check)?;
-    let brain = build::brain(raw, robot.seed, robot.body, &Registry::standard())?;
-    for variable in &brain.senses.variables {
-        if let Mapping::Network(network) = &variable.mapping {
-            senses::check(&format!("state_variables.{}.network", variable.name), network)?;
-        }
-    }
+    let brain = checked(raw, robot, &exported)?;
     hear(writer, raw.state_variables.values().any(|variable| variable.stale_s.is_some()));
     let (sensed, motors) = (brain.senses.variables.len(), exported.len());
     let variables = sensed + brain.internal.variables.len();
@@ -112,6 +101,23 @@ fn processes(writer: &mut Writer, raw: &Raw, robot: &Robot<'_>) -> Result<String
     activate(writer, &brain.decision, &activations);
     act(writer, &brain.decision, motors);
     Ok(turn(writer, robot.body, sensed > 0, variables > sensed))
+}
+
+/// The brain, if all of it can be exported.
+fn checked(raw: &Raw, robot: &Robot<'_>, motors: &[Exported<'_>]) -> Result<Composed, DescriptionError> {
+    if let Some(name) = raw.cognitive.keys().next() {
+        let problem = "cognitive processes cannot be exported: they keep maps and lists of any length; leave it out if no behaviour \
+                       needs it";
+        return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
+    }
+    motors.iter().try_for_each(Exported::check)?;
+    let brain = build::brain(raw, robot.seed, robot.body, &Registry::standard())?;
+    for variable in &brain.senses.variables {
+        if let Mapping::Network(network) = &variable.mapping {
+            senses::check(&format!("state_variables.{}.network", variable.name), network)?;
+        }
+    }
+    Ok(brain)
 }
 
 /// The function `brain_hear`, which takes in what is new.
@@ -232,8 +238,9 @@ fn head(raw: &Raw, robot: &Robot<'_>) -> String {
         }
     }
     let what = plain(&raw.description);
-    let limit =
-        body.signal_limit.map_or("without a limit".into(), |limit| format!("from -{0} to {0}", c(limit)));
+    let limit = body
+        .signal_limit
+        .map_or_else(|| "without a limit".to_owned(), |limit| format!("from -{0} to {0}", c(limit)));
     let actuators = match &raw.policy {
         Some(_) if !body.actuators.is_empty() => {
             format!("#define BRAIN_ACTUATORS {}\n", body.actuators.len())

@@ -139,22 +139,9 @@ impl Exported<'_> {
             format!("{{{}, {}, {side}}}", eye.sensor, robot.value(eye.sensor))
         };
         let looks = eyes.iter().map(look).collect::<Vec<_>>().join(", ");
-        let numbers = [
-            p.forward,
-            p.creep,
-            p.turn,
-            p.slow_reading,
-            p.turn_reading,
-            p.clear_reading,
-            p.stroll_rate_hz,
-            p.stop_stroll_rate_hz,
-        ];
-        let numbers = numbers.map(|number| c(number).to_string()).join(", ");
-        let stale_ns = (p.stale_s * 1e9) as u64;
+        let caution = caution(&p);
         writer.line(format_args!("static const struct brain_look brain_looks_{place}[] = {{{looks}}};"));
-        writer.line(format_args!(
-            "static const struct brain_caution brain_caution_{place} = {{{numbers}, UINT64_C({stale_ns})}};"
-        ));
+        writer.line(format_args!("static const struct brain_caution brain_caution_{place} = {{{caution}}};"));
         self.step(writer, |writer| {
             let (state, eyes) = (format!("&brain->avoid_{place}"), format!("brain->eyes_{place}"));
             writer.line(format_args!("brain_avoid({state}, &brain_caution_{place}, {eyes}, brain_looks_{place}, {count}, readings, signals);"));
@@ -204,7 +191,8 @@ impl Exported<'_> {
             writer.line(format_args!("brain->leftwards_{place} = right >= left;"));
         });
         self.step(writer, |writer| {
-            writer.line(format_args!("signals[1] = brain->leftwards_{place} ? {0} : -{0};", c(away.turn)));
+            let [left, right] = [away.turn, -away.turn].map(c);
+            writer.line(format_args!("signals[1] = brain->leftwards_{place} ? {left} : {right};"));
             writer.line("signals[0] = -signals[1];");
         });
         Ok(Activation { enter: format!("brain_enter_{place}(brain, readings);"), leave: String::new() })
@@ -225,9 +213,8 @@ impl Exported<'_> {
             };
             writer.line(format_args!("far = {far};"));
             let sign = if p.side == Side::Left { "" } else { "-" };
-            let (gain, limit) = (c(p.gain), c(p.limit));
-            writer
-                .line(format_args!("leftwards = {sign}(brain_clamp({gain} * far, -{limit}, {limit}) / 2);"));
+            let [gain, least, most] = [p.gain, -p.limit, p.limit].map(c);
+            writer.line(format_args!("leftwards = {sign}(brain_clamp({gain} * far, {least}, {most}) / 2);"));
             bend(writer, p.forward);
         });
         Ok(Activation::default())
@@ -255,7 +242,7 @@ impl Exported<'_> {
         let name = format!("{}/{}", robot.body.name, self.process.kind);
         let words = Chance::words(robot.seed, &name);
         for (part, word) in ["high", "low", "step_high", "step_low"].iter().zip(words) {
-            writer.start(format_args!("{field}.{part}"), format_args!("UINT64_C({word:#018x})"));
+            writer.start(format_args!("{field}.{part}"), format_args!("{word:#018x}ull"));
         }
     }
 }
@@ -276,6 +263,23 @@ fn stand_unless(writer: &mut Writer, condition: &str) {
 /// Signals for a bend to the left by `leftwards`.
 fn bend(writer: &mut Writer, forward: f64) {
     signals(writer, format_args!("{} - leftwards", c(forward)), format_args!("{} + leftwards", c(forward)));
+}
+
+/// The numbers of `struct brain_caution`.
+fn caution(p: &avoid::Parameters) -> String {
+    let numbers = [
+        p.forward,
+        p.creep,
+        p.turn,
+        p.slow_reading,
+        p.turn_reading,
+        p.clear_reading,
+        p.stroll_rate_hz,
+        p.stop_stroll_rate_hz,
+    ];
+    let numbers = numbers.map(|number| c(number).to_string()).join(", ");
+    let stale_ns = (p.stale_s * 1e9) as u64;
+    format!("{numbers}, {stale_ns}ull")
 }
 
 /// The default parameters with the changes of a table, which was checked when the brain was made.

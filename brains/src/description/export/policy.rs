@@ -23,9 +23,7 @@ pub(super) fn write(
         ));
     }
     check("policy.layers", &policy.network)?;
-    hear(writer, true);
-    writer.uses(Fragment::Since);
-    writer.uses(Fragment::Min);
+    hear(writer, policy.max_age_s.is_some());
     tables(writer, "brain_policy", &policy.network);
     writer.table("brain_offset", policy.offset.iter());
     writer.table("brain_scale", policy.scale.iter());
@@ -56,6 +54,8 @@ pub(super) fn write(
 
 /// The ages of all readings as inputs, and which are new.
 fn ages(writer: &mut Writer, sensors: usize, values: usize, max_age_s: f64) {
+    writer.uses(Fragment::Since);
+    writer.uses(Fragment::Min);
     let max_age_s = c(max_age_s);
     writer.block(format_args!("for (i = 0; i < {sensors}; i++)"), |writer| {
         let age_s = format!("brain_min(brain_since(brain->heard_ns[i], readings->at_ns), {max_age_s})");

@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use baudbot_brain::{Body, Brain, Reading, Turn};
 
+use crate::catalogue;
 use crate::chance::Chance;
 use crate::description::Description;
 use crate::registry::Registry;
 use crate::test_body::body;
-use crate::{Avoid, catalogue};
 
 /// Reads turns from stdin, and writes the commands.
 const PROGRAM: &str = r#"
@@ -166,7 +166,7 @@ impl Descriptions {
         let sources: Vec<_> = (0..=self.below(3))
             .map(|_| self.one_of(&["left", "front", "right", "sonar", "laser", "laser.1", "nose"]))
             .collect();
-        let values = sources.iter().map(|source| if *source == "laser" { 3 } else { 1 }).sum();
+        let values: usize = sources.iter().map(|source| if *source == "laser" { 3 } else { 1 }).sum();
         let by = match self.below(4) {
             0 => "by = \"min\"".to_owned(),
             1 => "by = \"max\"".to_owned(),
@@ -361,4 +361,41 @@ fn an_exported_brain_decides_as_that_of_the_program_to_the_bit() {
         changes += found.windows(2).filter(|pair| pair[0] != pair[1]).count();
     }
     assert!(compared >= 100_000 && changes >= 20_000, "{compared} turns, {changes} changes");
+}
+
+#[test]
+fn single_precision_answers_a_network_to_a_few_millionths() {
+    let mut descriptions = Descriptions(Chance::new(3, "policies"));
+    let mut pair = of_text("policy".to_owned(), &descriptions.policy(false), robot());
+    let folder = Folder::new("export-single");
+    // What an AVR does: its double has 32 bits.
+    let options = ["-DBRAIN_SINGLE", "-fsingle-precision-constant"];
+    let (program, mut compiler) = folder.compile(&pair.name, &pair.file, &options);
+    assert!(compiler.wait().unwrap().success());
+    let turns = turns(&pair.body, 10_000, &mut Chance::new(4, "turns"));
+    let (expected, found) = (decisions(&mut *pair.brain, &turns), answers(&program, &turns));
+    let off = |(expected, found): (&[f64; 2], &[f64; 2])| {
+        (expected[0] - found[0]).abs().max((expected[1] - found[1]).abs())
+    };
+    let worst = expected.iter().zip(&found).map(off).fold(0.0, f64::max);
+    assert!(worst > 0.0 && worst < MOST_OFF, "{worst}");
+}
+
+/// The error of a signal that a network of two layers, with weights of at most 3, answers in single precision.
+const MOST_OFF: f64 = 5e-6;
+
+#[test]
+fn what_cannot_be_exported_is_named_by_its_path() {
+    let problem = |toml: &str| Description::parse(toml).unwrap().c_file(1, &robot()).unwrap_err().to_string();
+    let go = "[motor.go]\nkind = \"go_to\"\nparameters = { points_m = [[1.0, 0.0]] }";
+    assert_eq!(
+        problem(go),
+        "motor.go.kind: `go_to` cannot be exported; these can: avoid, constant, fixed_action, follow_wall, taxis, turn_away, wander"
+    );
+    let odometry = "[motor.a]\nkind = \"constant\"\n[cognitive.where]\nkind = \"odometry\"";
+    assert!(problem(odometry).starts_with("cognitive.where: cognitive processes cannot be exported"));
+    // Errors of the description itself are those that it always has.
+    assert!(problem("[motor.a]\nkind = \"turn\"").starts_with("motor.a.kind: `turn` cannot be exported"));
+    let near = "[state_variables.near]\nof = [\"rear\"]\nby = \"max\"\n[motor.a]\nkind = \"constant\"";
+    assert!(problem(near).starts_with("state_variables.near.of[0]: there is no sensor `rear`"));
 }

@@ -3,7 +3,7 @@ struct brain_chance { uint64_t high, low, step_high, step_low; };
 
 /* A number in [0, 1), with 53 random bits. */
 static brain_real brain_uniform(struct brain_chance *chance) {
-  const uint64_t times_high = UINT64_C(0x2360ed051fc65da4), times_low = UINT64_C(0x4385df649fccf645);
+  const uint64_t times_high = 0x2360ed051fc65da4ull, times_low = 0x4385df649fccf645ull;
   const uint64_t a = chance->low >> 32, b = chance->low & 0xffffffff, c = times_low >> 32, d = times_low & 0xffffffff;
   const uint64_t ad = a * d + (b * d >> 32), bc = b * c + (ad & 0xffffffff);
   uint64_t high = chance->low * times_high + chance->high * times_low + a * c + (ad >> 32) + (bc >> 32);
