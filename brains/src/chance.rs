@@ -12,7 +12,16 @@ pub struct Chance(Pcg64);
 impl Chance {
     /// The numbers called `name`, such as `alice/wander`, of the run with this `seed`.
     pub fn new(seed: u64, name: &str) -> Self {
-        Self(Pcg64::seed_from_u64(seed ^ fnv1a(name.as_bytes())))
+        Self(Pcg64::seed_from_u64(key(seed, name)))
+    }
+
+    /// The state of this generator's start and its increment, the high words first: for programs in other languages.
+    pub(crate) fn words(seed: u64, name: &str) -> [u64; 4] {
+        let SeedWords([low, high, step_low, step_high]) = SeedWords::seed_from_u64(key(seed, name));
+        let wide = |high: u64, low: u64| (u128::from(high) << 64) | u128::from(low);
+        let step = wide(step_high, step_low) | 1;
+        let state = wide(high, low).wrapping_add(step).wrapping_mul(MULTIPLIER).wrapping_add(step);
+        [(state >> 64) as u64, state as u64, (step >> 64) as u64, step as u64]
     }
 
     /// Uniform in [0, 1), with 53 random bits.
@@ -30,6 +39,26 @@ impl Chance {
         let (u, v) = (self.uniform(), self.uniform());
         normal::deviate(u, v)
     }
+}
+
+/// The words that a generator begins with.
+struct SeedWords([u64; 4]);
+
+impl SeedableRng for SeedWords {
+    type Seed = [u8; 32];
+
+    fn from_seed(seed: Self::Seed) -> Self {
+        let word =
+            |place: usize| (0..8).rev().fold(0, |word, byte| (word << 8) | u64::from(seed[8 * place + byte]));
+        Self([0, 1, 2, 3].map(word))
+    }
+}
+
+/// PCG's multiplier for a state of 128 bits.
+const MULTIPLIER: u128 = 0x2360_ED05_1FC6_5DA4_4385_DF64_9FCC_F645;
+
+fn key(seed: u64, name: &str) -> u64 {
+    seed ^ fnv1a(name.as_bytes())
 }
 
 /// The 64-bit FNV-1a hash.

@@ -37,7 +37,7 @@ pub struct InternalVariable {
 /// All variables of the internal state as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InternalState {
-    variables: Vec<InternalVariable>,
+    pub(crate) variables: Vec<InternalVariable>,
     values: Vec<f64>,
     dead: Option<usize>,
 }

@@ -8,7 +8,7 @@ pub use crate::network::Network;
 /// The sources and mappings that make state variables of readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Senses {
-    variables: Vec<StateVariable>,
+    pub(crate) variables: Vec<StateVariable>,
     values: Vec<f64>,
     /// The instants at which each sensor's last new reading came.
     news_ns: Vec<Option<u64>>,

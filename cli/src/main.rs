@@ -4,7 +4,7 @@
 //!
 //! 1. `args` is the command line; `error` is why a command fails, in one line, and `failure` how it ends then.
 //! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
-//!    `preset`, `evidence`, `fit`, `export`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
+//!    `preset`, `evidence`, `fit`, `export`, `export_brain`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
 //!    what `sweep`, `tune` and `grade` share, and `class` grades many brains.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, which `kept` checks, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
@@ -35,6 +35,7 @@ mod error;
 mod escapes;
 mod evidence;
 mod export;
+mod export_brain;
 mod failure;
 mod fit;
 mod foxglove;
@@ -143,6 +144,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Preset(args) => preset::preset(&args),
         Command::Fit(args) => return fit::fit(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
+        Command::ExportBrain(args) => export_brain::export_brain(&args),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::New(NewCommand::Firmware(args)) => new::firmware(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),

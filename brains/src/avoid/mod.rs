@@ -36,7 +36,7 @@ pub use parameters::Parameters;
 pub struct Avoid {
     parameters: Parameters,
     chance: Chance,
-    eyes: Vec<Eye>,
+    pub(crate) eyes: Vec<Eye>,
     state: State,
     /// New readings have come since the last decision.
     news: bool,
@@ -48,10 +48,10 @@ pub struct Avoid {
 
 /// A sensor that counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Eye {
-    sensor: usize,
+pub(crate) struct Eye {
+    pub(crate) sensor: usize,
     /// The direction to the left of the robot's heading, in radians.
-    bearing_rad: f64,
+    pub(crate) bearing_rad: f64,
     /// The instant at which the sensor's last new reading came.
     seen_ns: Option<u64>,
     reading: f64,

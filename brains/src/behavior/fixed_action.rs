@@ -21,7 +21,7 @@ pub struct Parameters {
 /// A behaviour that cannot be stopped once it has begun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixedAction {
-    motions: Vec<[f64; 3]>,
+    pub(crate) motions: Vec<[f64; 3]>,
     /// The instant at which it was released.
     since_ns: Option<u64>,
 }

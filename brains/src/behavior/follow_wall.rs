@@ -44,9 +44,9 @@ impl Default for Parameters {
 /// A behaviour that follows a wall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FollowWall {
-    parameters: Parameters,
-    sensor: usize,
-    is_distance: bool,
+    pub(crate) parameters: Parameters,
+    pub(crate) sensor: usize,
+    pub(crate) is_distance: bool,
 }
 
 impl FollowWall {

@@ -34,9 +34,9 @@ fn gain() -> f64 {
 /// A behaviour that goes towards more of what two sensors sense.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taxis {
-    forward: f64,
-    gain: f64,
-    sensors: [usize; 2],
+    pub(crate) forward: f64,
+    pub(crate) gain: f64,
+    pub(crate) sensors: [usize; 2],
 }
 
 impl Taxis {

@@ -26,18 +26,18 @@ impl Default for Parameters {
 /// A reflex that turns away from what infra-red sensors, or those that measure distances, see nearer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnAway {
-    turn: f64,
-    eyes: Vec<Eye>,
+    pub(crate) turn: f64,
+    pub(crate) eyes: Vec<Eye>,
     leftwards: bool,
 }
 
 /// A sensor that counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Eye {
-    sensor: usize,
-    is_left: bool,
+pub(crate) struct Eye {
+    pub(crate) sensor: usize,
+    pub(crate) is_left: bool,
     /// An IR sensor's reading is greater the nearer something is; a sonar's is a distance.
-    is_distance: bool,
+    pub(crate) is_distance: bool,
 }
 
 impl TurnAway {

@@ -61,6 +61,23 @@ pub fn described(description: &str) -> Result<Option<String>, CatalogueError> {
     Text::find(name)?.map(|text| text.edited(settings)).transpose()
 }
 
+/// The brain that `description` describes as one C file for a robot with this body: see [`Description::c_file`](crate::description::Description::c_file).
+/// One that is written in Rust is exported as a description with this one behaviour.
+///
+/// # Errors
+/// See [`brain`], and what of it cannot be exported.
+pub fn c_file(description: &str, seed: u64, body: &Body) -> Result<String, CatalogueError> {
+    let (name, settings) = description.split_once(':').unwrap_or((description, ""));
+    let text = match Text::find(name)? {
+        Some(text) => text,
+        None => {
+            kind(name)?.brain(settings, seed, body)?;
+            Text::of_kind(kind(name)?.entry.name)
+        }
+    };
+    text.c_file(settings, seed, body)
+}
+
 /// The name that people see of the brain that `description` describes: as much of it as the contract allows, 64 bytes.
 pub fn shown_name(description: &str) -> String {
     description[..description.floor_char_boundary(64)].to_owned()

@@ -13,6 +13,8 @@ use crate::registry::Registry;
 /// The text of a description, and where it is from.
 pub(super) struct Text {
     name: String,
+    /// What stands before each path that is set.
+    prefix: String,
     toml: String,
 }
 
@@ -52,15 +54,25 @@ impl Text {
     /// One of the program's, or a file if the name ends as the names of such files do.
     pub(super) fn find(name: &str) -> Result<Option<Self>, CatalogueError> {
         if let Some((_, toml)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Ok(Some(Self { name: format!("brain `{name}`"), toml: (*toml).to_owned() }));
+            return Ok(Some(Self {
+                name: format!("brain `{name}`"),
+                prefix: String::new(),
+                toml: (*toml).to_owned(),
+            }));
         }
         if !name.ends_with(".toml") {
             return Ok(None);
         }
         match text_of(Path::new(name)) {
-            Ok(toml) => Ok(Some(Self { name: name.to_owned(), toml })),
+            Ok(toml) => Ok(Some(Self { name: name.to_owned(), prefix: String::new(), toml })),
             Err(error) => Err(CatalogueError::File { file: PathBuf::from(name), problem: error.to_string() }),
         }
+    }
+
+    /// The description of a brain that is this kind of behaviour and nothing else.
+    pub(super) fn of_kind(kind: &str) -> Self {
+        let toml = format!("[motor.{kind}]\nkind = \"{kind}\"\n");
+        Self { name: format!("brain `{kind}`"), prefix: format!("motor.{kind}.parameters."), toml }
     }
 
     /// The description with numbers set: `PATH=NUMBER,…`.
@@ -82,7 +94,7 @@ impl Text {
                     "does not set a number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2";
                 self.error(DescriptionError::new(setting, problem))
             })?;
-            let (path, number) = (path.trim().to_owned(), number.trim());
+            let (path, number) = (format!("{}{}", self.prefix, path.trim()), number.trim());
             let value = number.parse().ok().filter(|value: &f64| value.is_finite());
             let value = value.ok_or_else(|| {
                 let problem = format!("must be a number, not `{number}`");
@@ -100,6 +112,10 @@ impl Text {
         body: &Body,
     ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
         description.any_brain(seed, body, &Registry::standard()).map_err(|error| self.error(error))
+    }
+
+    pub(super) fn c_file(&self, settings: &str, seed: u64, body: &Body) -> Result<String, CatalogueError> {
+        self.read(settings)?.c_file(seed, body).map_err(|error| self.error(error))
     }
 
     fn error(&self, error: DescriptionError) -> CatalogueError {

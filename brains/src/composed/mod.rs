@@ -17,11 +17,11 @@ use crate::throttle::CommandThrottle;
 
 /// A brain of processes.
 pub struct Composed {
-    senses: Senses,
-    internal: InternalState,
-    motors: Vec<Motor>,
+    pub(crate) senses: Senses,
+    pub(crate) internal: InternalState,
+    pub(crate) motors: Vec<Motor>,
     cognitives: Vec<Cognitive>,
-    decision: Decision,
+    pub(crate) decision: Decision,
     /// The motor behaviour that is active, or has the greatest weight; `None` before the first turn.
     active: Option<usize>,
     /// Whether each motor behaviour drives.

@@ -79,6 +79,17 @@ impl Condition {
         Ok(Self { variable, comparison, number })
     }
 
+    /// The variable's place, the comparison as it is written, and the number.
+    pub(crate) fn parts(&self) -> (usize, &'static str, f64) {
+        let comparison = match self.comparison {
+            Comparison::Less => "<",
+            Comparison::LessOrEqual => "<=",
+            Comparison::Greater => ">",
+            Comparison::GreaterOrEqual => ">=",
+        };
+        (self.variable, comparison, self.number)
+    }
+
     /// Whether the condition holds for these state variables.
     pub fn holds(&self, state: &[f64]) -> bool {
         let Some(value) = state.get(self.variable) else { return false };

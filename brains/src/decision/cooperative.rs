@@ -26,7 +26,7 @@ pub enum Weight {
 /// Behaviours that drive together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cooperative {
-    weights: Vec<Weight>,
+    pub(crate) weights: Vec<Weight>,
     /// The weights of this step, divided by their sum.
     shares: Vec<f64>,
     /// The last suggestion of each behaviour.

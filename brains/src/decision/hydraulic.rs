@@ -61,9 +61,9 @@ impl Reservoir {
 /// A decision by reservoirs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hydraulic {
-    reservoirs: Vec<Reservoir>,
+    pub(crate) reservoirs: Vec<Reservoir>,
     /// The behaviour that is active while all valves are closed.
-    base: usize,
+    pub(crate) base: usize,
     /// The one that is active now.
     active: usize,
 }

@@ -8,9 +8,9 @@ use super::condition::Condition;
 /// Layers, the highest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
-    layers: Vec<(Vec<Condition>, usize)>,
+    pub(crate) layers: Vec<(Vec<Condition>, usize)>,
     /// The behaviour that is active if no layer wants to be.
-    base: usize,
+    pub(crate) base: usize,
 }
 
 impl Layers {

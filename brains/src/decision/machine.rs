@@ -5,8 +5,8 @@ use super::condition::Condition;
 /// Behaviours by their places, and the ways from one to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
-    active: usize,
-    transitions: Vec<Transition>,
+    pub(crate) active: usize,
+    pub(crate) transitions: Vec<Transition>,
 }
 
 /// A way from a behaviour to another.

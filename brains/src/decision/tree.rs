@@ -27,7 +27,9 @@ pub enum Node {
 #[derive(Clone, Debug)]
 pub struct Tree {
     tree: BT<Leaf, ()>,
-    active: usize,
+    /// The tree as it was described.
+    pub(crate) root: Node,
+    pub(crate) active: usize,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +41,7 @@ enum Leaf {
 impl Tree {
     /// `start` is active until the tree reaches a behaviour.
     pub fn new(root: &Node, start: usize) -> Self {
-        Self { tree: BT::new(root.behavior(), ()), active: start }
+        Self { tree: BT::new(root.behavior(), ()), root: root.clone(), active: start }
     }
 
     /// Goes through the tree. Returns which behaviour is active then: if none was reached, that of before.

@@ -52,6 +52,11 @@ impl Utility {
         Self { function, value, gamma: 0.0 }
     }
 
+    /// The constants.
+    pub(crate) fn function(&self) -> &UtilityFunction {
+        &self.function
+    }
+
     /// u, in [-1, 1].
     pub fn value(&self) -> f64 {
         self.value

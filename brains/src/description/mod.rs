@@ -23,6 +23,7 @@
 
 mod build;
 mod edited;
+mod export;
 mod policy;
 mod raw;
 
@@ -126,6 +127,15 @@ impl Description {
             Some(policy) => Ok(Box::new(policy.policy(body)?)),
             None => Ok(Box::new(build::brain(&self.raw, seed, body, registry)?)),
         }
+    }
+
+    /// The brain as one C file, for a robot with this body: what [`any_brain`](Self::any_brain) with the standard kinds decides in turns in which a
+    /// message has come and the cable is free, to the bit if the compiler fuses no operations.
+    ///
+    /// # Errors
+    /// As [`any_brain`](Self::any_brain), and if the description has something that cannot be exported, by its path.
+    pub fn c_file(&self, seed: u64, body: &Body) -> Result<String, DescriptionError> {
+        export::file(&self.raw, &export::Robot { body, seed })
     }
 
     /// The same of a description of processes.

@@ -15,11 +15,11 @@ use crate::network::Network;
 /// Its answers are the signals of the left and the right wheel, and of the other actuators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Policy {
-    network: Network,
-    offset: Vec<f64>,
-    scale: Vec<f64>,
+    pub(crate) network: Network,
+    pub(crate) offset: Vec<f64>,
+    pub(crate) scale: Vec<f64>,
     /// Ages above it are given as it, in seconds; `None`: neither ages nor what is new are inputs.
-    max_age_s: Option<f64>,
+    pub(crate) max_age_s: Option<f64>,
     /// The last values of all sensors.
     values: Vec<f64>,
     sensors: Vec<Heard>,

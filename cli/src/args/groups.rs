@@ -18,7 +18,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Run", &["run", "grade", "diagram", "sweep", "tune", "replay", "export"]),
     ("Serve and connect", &["serve", "brain", "watch", "port", "token", "state", "cert"]),
     ("Examine a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
-    ("Real robots", &["preset", "evidence", "measure", "fit"]),
+    ("Real robots", &["preset", "evidence", "measure", "fit", "export-brain"]),
     ("Get started", &["list", "init", "new", "schema", "completions", "man", "help"]),
 ];
 

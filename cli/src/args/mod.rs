@@ -7,6 +7,7 @@ mod cert;
 mod chips;
 mod diagram;
 mod export;
+mod export_brain;
 mod fit;
 mod gdb;
 mod grade;
@@ -44,6 +45,7 @@ pub(crate) use self::cert::{AuthorityArgs, ClientCertificateArgs, ServerCertific
 pub(crate) use self::chips::{ChipArgs, ChipOutput};
 pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
+pub(crate) use self::export_brain::{ExportBrainArgs, ExportLanguage};
 pub(crate) use self::fit::FitArgs;
 pub(crate) use self::gdb::GdbAddress;
 pub(crate) use self::grade::GradeArgs;
@@ -147,6 +149,9 @@ pub(crate) enum Command {
     /// Exports tables, traces, pictures and films from a recording, or describes it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),
+    /// Writes a brain as one C file for a robot's own microcontroller
+    #[command(after_long_help = export_brain::EXAMPLES)]
+    ExportBrain(ExportBrainArgs),
     /// Creates a small project as a starting point
     #[command(subcommand)]
     New(NewCommand),

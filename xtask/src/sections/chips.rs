@@ -54,6 +54,7 @@ pub(super) fn firmware(shell: &Shell) -> Result<(), Failure> {
     command.env("BAUDBOT_SKETCHES", &sketches);
     shell.run(command)?;
     new_firmware(shell)?;
+    exported_brain(shell)?;
     for seed in ["1", "2"] {
         drives(shell, &["catalogue/scenarios/firmware.toml", "--seconds", "600", "--seed", seed], 30.0)?;
     }
@@ -81,22 +82,51 @@ fn new_firmware(shell: &Shell) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A robot drives farther than so many metres, without a collision and without a warning about its chip.
-fn drives(shell: &Shell, arguments: &[&str], least_m: f64) -> Result<(), Failure> {
+/// A brain that is exported drives in the chip as far as it does at the cable.
+fn exported_brain(shell: &Shell) -> Result<(), Failure> {
+    const SCENARIO: &str = "catalogue/scenarios/shield.toml";
+    let folder = shell.place.scratch("exported").map_err(Failure::file(&shell.place.target))?;
+    let (brain, elf) = (folder.join("brain.c"), folder.join("shield.elf"));
+    let mut export = shell.command(shell.place.program());
+    export.args(["export-brain", "avoid", "--lang", "c", "--scenario", SCENARIO, "--out"]).arg(&brain);
+    shell.run(export)?;
+    let mut compile = shell.command("avr-gcc");
+    compile.args(["-mmcu=atmega328p", "-std=c99", "-Os", "-Wall", "-Wextra", "-Werror", "-I"]).arg(&folder);
+    compile.arg("-o").arg(&elf).args(["catalogue/scenarios/firmware/shield.c", "-lm"]);
+    shell.run(compile)?;
+    let minutes = ["--seconds", "600"];
+    let firmware = format!("robot={}", elf.display());
+    let at_the_cable_m = drives(shell, &[&[SCENARIO, "--brain", "avoid"], &minutes[..]].concat(), 60.0)?;
+    let in_the_chip_m = drives(shell, &[&[SCENARIO, "--firmware", &firmware], &minutes[..]].concat(), 60.0)?;
+    if (in_the_chip_m / at_the_cable_m - 1.0).abs() > MOST_APART {
+        let problem = format!(
+            "an exported brain drives {in_the_chip_m} m in the chip, and {at_the_cable_m} m at the cable"
+        );
+        return Err(Failure::Wrong(problem));
+    }
+    Ok(())
+}
+
+/// Ways of ten minutes with other random noise are no farther apart, as a fraction.
+const MOST_APART: f64 = 0.06;
+
+/// A robot drives farther than so many metres, without a collision and without a warning about its chip, if it has one; the way, in metres.
+fn drives(shell: &Shell, arguments: &[&str], least_m: f64) -> Result<f64, Failure> {
     let mut run = shell.command(shell.place.program());
     run.arg("run").args(arguments).arg("--json");
     let json = shell.text(run)?;
     let number = |key| json_word(&json, key).and_then(|word| word.trim().parse::<f64>().ok());
     let (distance_m, collisions) = (number("distance_m"), number("collisions"));
-    let warnings = json.contains("\"warnings\": []");
-    if distance_m.is_none_or(|distance_m| distance_m <= least_m) || collisions != Some(0.0) || !warnings {
+    let is_warned = json.contains("\"warnings\"") && !json.contains("\"warnings\": []");
+    let far_m = distance_m.filter(|far_m| *far_m > least_m && collisions == Some(0.0) && !is_warned);
+    let Some(far_m) = far_m else {
         return Err(Failure::Wrong(format!(
             "run {}: it should drive more than {least_m} m, without collisions and warnings:\n{json}",
             arguments.join(" ")
         )));
-    }
-    shell.say(&format!("run {}: driven {} m", arguments.join(" "), distance_m.unwrap_or_default()));
-    Ok(())
+    };
+    shell.say(&format!("run {}: driven {far_m} m", arguments.join(" ")));
+    Ok(far_m)
 }
 
 /// A program on a robot's microcontroller under the real avr-gdb.
