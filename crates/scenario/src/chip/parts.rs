@@ -217,15 +217,20 @@ impl Part<'_> {
         Led { lit_by: self.option(|options| options.lit_by).unwrap_or(LitBy::High) }
     }
 
+    /// The kind of a sonar, by its terminals.
+    fn sonar(&self) -> Kind {
+        if self.uses("sda") || self.uses("scl") {
+            Kind::RangeFinder(RangeFinder::SRF02)
+        } else if self.uses("trigger") || self.uses("echo") {
+            Kind::HcSr04(HcSr04)
+        } else {
+            Kind::Ping(Ping)
+        }
+    }
+
     fn sensor(&self, place: usize, sensor: &Sensor) -> Result<(Kind, Attached)> {
         match &sensor.device {
-            Device::Sonar(_) if self.uses("sda") || self.uses("scl") => {
-                Ok((Kind::RangeFinder(RangeFinder::SRF02), Attached::Sonar { sensor: place }))
-            }
-            Device::Sonar(_) if self.uses("trigger") || self.uses("echo") => {
-                Ok((Kind::HcSr04(HcSr04), Attached::Sonar { sensor: place }))
-            }
-            Device::Sonar(_) => Ok((Kind::Ping(Ping), Attached::Sonar { sensor: place })),
+            Device::Sonar(_) => Ok((self.sonar(), Attached::Sonar { sensor: place })),
             Device::Compass(_) => Ok((Kind::Compass(Compass), Attached::Compass { sensor: place })),
             Device::Whisker(baudbot_sim::sensor::Whisker { switch, .. })
             | Device::Bumper(baudbot_sim::sensor::Bumper { switch, .. }) => {

@@ -108,8 +108,8 @@ impl Load {
         of_forward * forward + SIGNS[side] * of_turn * turn + self.slides_rad_s[side]
     }
 
-    /// The matrix of the rates of change of forward speed, turn rate, left and right current; its last column holds what does not
-    /// depend on them.
+    /// The matrix of the rates of change of forward speed, turn rate, and sum and difference of the currents; its last column holds
+    /// what does not depend on them. Of wheels in one phase, sum and difference do not touch each other, to the bit.
     fn rates(&self, motor: &DcMotor, phases: [Phase; 2], voltages_v: [f64; 2]) -> Matrix {
         let mut rates = [[0.0; SIZE]; SIZE];
         for mode in 0..2 {
@@ -127,19 +127,21 @@ impl Load {
                 Phase::Turning(direction) => {
                     let lost = shaft.map(|speed| motor.at_wheel_nm(motor.viscous_friction_nm_s * speed));
                     (torque[0], torque[1]) = (-lost[0], -lost[1]);
-                    torque[2 + side] = motor.at_wheel_nm(motor.torque_constant_nm_a);
+                    let of_current = 0.5 * motor.at_wheel_nm(motor.torque_constant_nm_a);
+                    (torque[2], torque[3]) = (of_current, sign * of_current);
                     torque[CONSTANT] = -lost[2] - motor.at_wheel_nm(motor.coulomb_friction_nm * direction);
                 }
             }
-            for (column, torque) in torque.into_iter().enumerate() {
-                rates[0][column] += self.gains[0] * torque;
-                rates[1][column] += sign * self.gains[1] * torque;
-            }
             let emf = shaft.map(|speed| motor.emf_constant_v_s * speed / motor.inductance_h);
-            let current = &mut rates[2 + side];
-            (current[0], current[1]) = (-emf[0], -emf[1]);
-            current[2 + side] = -motor.resistance_ohm / motor.inductance_h;
-            current[CONSTANT] = voltages_v[side] / motor.inductance_h - emf[2];
+            let decay = -0.5 * motor.resistance_ohm / motor.inductance_h;
+            let constant = voltages_v[side] / motor.inductance_h - emf[2];
+            let current = [-emf[0], -emf[1], decay, sign * decay, constant];
+            for column in 0..SIZE {
+                rates[0][column] += self.gains[0] * torque[column];
+                rates[1][column] += sign * self.gains[1] * torque[column];
+                rates[2][column] += current[column];
+                rates[3][column] += sign * current[column];
+            }
         }
         rates
     }
@@ -150,11 +152,11 @@ impl Flow {
     fn after(&self, rates: &Matrix, dt: f64) -> Self {
         let [forward, turn] = self.speeds;
         let [left, right] = self.currents_a;
-        let state = [forward, turn, left, right, 1.0];
+        let state = [forward, turn, left + right, right - left, 1.0];
         let matrix = exponential(rates.map(|row| row.map(|rate| rate * dt)));
-        let [forward, turn, left, right, _] =
+        let [forward, turn, sum, difference, _] =
             matrix.map(|row| row.iter().zip(&state).map(|(factor, value)| factor * value).sum());
-        Self { speeds: [forward, turn], currents_a: [left, right] }
+        Self { speeds: [forward, turn], currents_a: [0.5 * (sum - difference), 0.5 * (sum + difference)] }
     }
 }
 
@@ -338,6 +340,17 @@ mod tests {
         let stands = load.advance(&motor, [0.0; 2], flow, 0.01);
         assert!(flow.speeds[0].abs() < 1e-7, "{flow:?}");
         assert!((stands.speeds[0] - flow.speeds[0]).abs() < 1e-9, "{flow:?} {stands:?}");
+    }
+
+    #[test]
+    fn a_robot_whose_motors_are_alike_drives_straight_on_to_the_bit() {
+        let (load, motor) = (load(), motor(1e-3));
+        let mut flow = AT_REST;
+        for _ in 0..100 {
+            flow = load.advance(&motor, [7.3; 2], flow, 1e-3);
+            let [left_a, right_a] = flow.currents_a;
+            assert!(flow.speeds[1] == 0.0 && left_a == right_a, "{flow:?}");
+        }
     }
 
     #[test]

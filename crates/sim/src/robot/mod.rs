@@ -97,7 +97,15 @@ pub(crate) struct OptionalParts {
     pub(crate) currents_a: Option<Wheels>,
 }
 
-optional_parts!(OptionalParts { battery, delay_line, dialogues, chip, standing_ns, impulses_n_s, currents_a });
+optional_parts!(OptionalParts {
+    battery,
+    delay_line,
+    dialogues,
+    chip,
+    standing_ns,
+    impulses_n_s,
+    currents_a
+});
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]

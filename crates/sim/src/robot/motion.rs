@@ -41,12 +41,19 @@ impl Robot {
                 state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
+        if self.parts.battery.is_some() {
+            self.feed(spec, scenario, powered.then_some(signals), dt);
+        }
+    }
+
+    /// The battery gives what the motors take at these signals, if it still gives anything, and takes what a charger gives.
+    fn feed(&mut self, spec: &RobotSpec, scenario: &Scenario, signals: Option<Wheels>, dt: f64) {
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.parts.battery) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
-            let motors_w = match (powered, &self.parts.currents_a) {
-                (false, _) => 0.0,
-                (true, None) => spec.drive.power_w(&self.motion, signals),
-                (true, Some(currents_a)) => spec.drive.power_of_currents_w(currents_a, signals),
+            let motors_w = match (signals, &self.parts.currents_a) {
+                (None, _) => 0.0,
+                (Some(signals), None) => spec.drive.power_w(&self.motion, signals),
+                (Some(signals), Some(currents_a)) => spec.drive.power_of_currents_w(currents_a, signals),
             };
             state.draw(battery, battery.idle_w + motors_w, dt);
             if charger_w > 0.0 {
