@@ -1,4 +1,4 @@
-//! Compass: the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
+//! Compass (§1.2.2): the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
 
 use alloc::vec;
 use alloc::vec::Vec;
