@@ -1,5 +1,5 @@
 //! The internal state of a brain: variables that change slowly by themselves, by what the robot senses, and by what it does.
-//! Wahde 2016, Sections 4.2 (hormones), 4.4.1 (warm-up and fatigue of reflexes) and 4.4.4 (motivation, lethal boundaries).
+//! Wahde 2016, §4.3 (hormones), §4.4.1 (warm-up and fatigue of reflexes), §4.4.4 (motivation, lethal boundaries), Fig. 7.2.
 //!
 //! ```text
 //! ḣ = rate − h / τ + Σₖ wₖ zₖ + Σᵦ rᵦ [behaviour β drives],    least ≤ h ≤ most
@@ -127,6 +127,7 @@ mod tests {
         (0..100 * seconds).map(step).skip(99).step_by(100).collect()
     }
 
+    /// The hormones of §4.3.
     #[test]
     fn a_hormone_is_released_by_a_stimulus_and_outlasts_it() {
         let hormone = InternalVariable { release: vec![0.5], decay_s: Some(2.0), ..variable() };
@@ -157,6 +158,7 @@ mod tests {
         assert_eq!(variables, [0.6, 0.5]);
     }
 
+    /// The lethal boundaries of §4.4.4, as in Fig. 7.2.
     #[test]
     fn who_comes_to_a_lethal_boundary_is_dead_also_if_it_comes_back() {
         let thirst =

@@ -83,6 +83,7 @@ impl Navigate {
 }
 
 impl Brain for Navigate {
+    /// Listing 5.4, with the signal of (5.1).
     fn step(&mut self, turn: &Turn) -> Action {
         let throttle = self.throttle.get_or_insert_with(|| CommandThrottle::new(&turn.body));
         let Some(&[x, y, ..]) = turn.reading(ODOMETER).map(|reading| reading.values.as_slice()) else {
@@ -128,6 +129,7 @@ mod tests {
         moved.iter().enumerate().map(step).collect()
     }
 
+    /// (5.1), with the numbers of listing 5.3.
     #[test]
     fn signals_shrink_with_the_way_that_is_left() {
         let mut navigate = Navigate::new(Parameters::default());
@@ -137,6 +139,7 @@ mod tests {
         assert!(!navigate.arrived());
     }
 
+    /// The order of lines in listing 5.4.
     #[test]
     fn the_step_that_arrives_still_drives_and_the_next_stands() {
         let mut navigate = Navigate::new(Parameters::default());

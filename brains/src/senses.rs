@@ -191,6 +191,7 @@ mod tests {
         senses.take(&turn(&body, 0, &readings.each_ref().map(|reading| Some(reading.as_slice()))))[0]
     }
 
+    /// (8.1)–(8.3).
     #[test]
     fn sums_minima_and_maxima() {
         let readings = [0.2, 0.5, 0.1];

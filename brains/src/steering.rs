@@ -56,7 +56,7 @@ impl Helm {
         self.rotates
     }
 
-    /// Speeds of the left and the right wheel that bring the heading of `world_from_robot` to φ_ref, in metres a second.
+    /// Speeds of the left and the right wheel that bring the heading of `world_from_robot` to φ_ref, in metres a second: (6.4) to (6.7).
     pub(crate) fn wheels(&mut self, world_from_robot: &Pose, heading_rad: f64) -> [f64; 2] {
         let s = self.steering;
         let off_rad = angle::difference(heading_rad, world_from_robot.heading);
@@ -140,6 +140,7 @@ mod tests {
     use super::*;
 
     /// The heading's error is that of a first-order loop with the time constant 2R / (K_p V_nav).
+    /// (6.4)–(6.7).
     #[test]
     fn a_heading_is_reached_as_a_first_order_loop_reaches_it() {
         let (half_track_m, dt_s) = (0.2, 0.01);

@@ -108,7 +108,7 @@ impl Brain for Wander {
 }
 
 impl Wander {
-    /// A transition.
+    /// A transition: listing 5.2.
     fn decide(&mut self) -> Signals {
         let p = self.parameters;
         match self.state {
@@ -149,6 +149,7 @@ mod tests {
         signals.chunk_by(|a, b| a == b).collect()
     }
 
+    /// The probabilities of listings 5.1 and 5.2.
     #[test]
     fn turns_begin_end_and_divide_as_the_probabilities_say() {
         let signals = signals(Parameters::default());
@@ -167,6 +168,7 @@ mod tests {
         assert!((part - 0.5).abs() < 0.06, "{part} of {}", turns.len());
     }
 
+    /// The three states of listing 5.2.
     #[test]
     fn one_state_a_step() {
         let certain = Parameters {

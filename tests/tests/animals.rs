@@ -95,7 +95,7 @@ fn ants(toml: &str, brain: &str, seeds: std::ops::RangeInclusive<u64>) -> (f64, 
     (mean(|run| run.0), mean(|run| run.1), runs.iter().filter(|run| run.2).count())
 }
 
-/// §4.4.4: the vector leads near to the nest, and the landmarks lead to it.
+/// §4.4.4, the desert ant: the vector leads near to the nest, and the landmarks lead to it.
 #[test]
 fn an_ant_comes_home_by_its_snapshot_where_its_vector_is_wrong() {
     let (vector_m, home_m, came) = ants(ANT, "ant", 1..=3);
@@ -143,7 +143,7 @@ fn waterhole(brain: &str, seconds: u64) -> (usize, Option<String>) {
     (changes, None)
 }
 
-/// §7.2.1: a price for changing makes it eat its fill; none makes it dither, and one that is too high kills it.
+/// §7.2.1, Fig. 7.2, the cost of changing: a price makes it eat its fill; none makes it dither, and one that is too high kills it.
 #[test]
 fn two_needs_are_met_by_turns_where_a_change_has_a_price() {
     let (changes, death) = waterhole("waterhole", 300);

@@ -261,6 +261,7 @@ fn dip(brain: &str) -> (f64, f64, usize, f64) {
     (before, before - least, fell, at_m(&local) - from_m)
 }
 
+/// Fig. 8.2 with a robot and a door.
 #[test]
 fn a_signal_that_is_lost_for_150_ms_makes_a_small_dip_in_a_utility() {
     // tanh(1 + 0.5 z) with z = 1, and tanh(1) below it; 15 of Euler's steps with a time constant of 0.3 s.

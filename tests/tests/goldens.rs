@@ -130,6 +130,8 @@ fn check(golden: &Golden, row: usize, name: &str, found: f64, expected: f64, wra
     assert!(difference <= tolerance, "{} row {row} {name}: {found} is not {expected}", golden.brain);
 }
 
+/// The oracle of ARSim's own program: motors by (1.8)–(1.10) and §3.2.4, wheels and odometer by (2.1)–(2.3) and (2.5)–(2.9), forces by (2.31), (2.32),
+/// infra-red sensors by (3.9), (3.10), (3.12), (3.13), motion by (3.16)–(3.22), collisions by §3.2.5; the fourth drives by (5.1), listings 5.3 and 5.4.
 #[test]
 fn in_process_to_1e_12() {
     for golden in &GOLDENS {

@@ -3,6 +3,7 @@
 
 docs/reference/cli.md is the help of the program that `BAUDBOT` names, docs/reference/preset-list.md its presets, docs/reference/contract.md
 the services of the contract. The tables of fields in the pages about scenarios are those of the program's schema (reference_tables.py).
+docs/explanation/equations.md is of marks in the code (notes.py, which needs no program).
 """
 
 import json
@@ -12,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import notes
 import reference_tables
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -153,6 +155,7 @@ def main():
             sys.exit(f"docs/reference/{name} is not up to date: xtask/tools/reference.py makes it")
         else:
             print(f"docs/reference/{name}: up to date, {len(text)} characters")
+    notes.main()
 
 
 if __name__ == "__main__":

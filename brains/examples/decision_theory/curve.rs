@@ -154,6 +154,7 @@ mod tests {
         }
     }
 
+    /// The curve of Fig. 7.1.
     #[test]
     fn the_curve_bends_as_the_answer_says() {
         let attitude = |utility| Curve::exponential_through(30.0, utility, 100.0).unwrap().attitude();

@@ -95,6 +95,7 @@ mod tests {
         assert_eq!(lottery(&[(0.5, 300_000.0), (0.5, -200_000.0)]).expected_payoff(), 50_000.0);
     }
 
+    /// (7.6).
     #[test]
     fn crossing_the_street_is_worth_7_6() {
         let expected = lottery(&[(0.2, 5.0), (0.8, -10.0)]).expected_payoff();
@@ -128,6 +129,7 @@ mod tests {
     }
 
     /// u is known up to a positive linear transformation: no decision depends on it.
+    /// (7.5), with a utility that is scaled.
     #[test]
     fn another_scale_of_utility_changes_no_preference() {
         let curve = Curve::Exponential { top: 100.0, tolerance: 30.0 };

@@ -94,6 +94,7 @@ mod tests {
     use super::*;
 
     /// The decision not to cross the street, (7.9), of a daring and of a careful person.
+    /// The order of (7.7), by (7.8).
     #[test]
     fn the_daring_cross_the_street_and_the_careful_stay() {
         assert!((utility_of_equal(0.1, 5.0, -10.0) - -8.5).abs() < 1e-12);

@@ -52,6 +52,7 @@ const TERMS: usize = 100;
 mod tests {
     use super::*;
 
+    /// The fee at which (7.3) is 0; the notes have 10.95 for W = 1,000.
     #[test]
     fn fees_are_the_known_ones() {
         let figures = [

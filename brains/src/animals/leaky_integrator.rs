@@ -33,6 +33,7 @@ impl LeakyIntegrator {
 mod tests {
     use super::*;
 
+    /// (4.1), (7.11), beside their solution for a constant stimulus.
     #[test]
     fn small_steps_come_near_the_exact_solution() {
         let start = LeakyIntegrator { decay_hz: 2.0, gain_hz: 3.0, value: 0.5 };

@@ -147,7 +147,8 @@ impl Composed {
             .chain(cognitives.map(|process| (process.name.as_str(), process.utility.value(), process.active)))
     }
 
-    /// The motor behaviour that is to be active, after so many seconds with these state variables.
+    /// The motor behaviour that is to be active, after so many seconds with these state variables. Of utilities, another one must be
+    /// greater by the cost of changing (§7.2.1).
     fn decide(&mut self, state: &[f64], dt_s: f64) -> usize {
         for motor in &mut self.motors {
             motor.utility.step(state, dt_s);

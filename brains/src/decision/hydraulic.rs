@@ -117,6 +117,7 @@ mod tests {
         (0..6000).find(|step| runs(step)).map(|step| f64::from(step) * 0.01)
     }
 
+    /// The hydraulic model of §4.4.4 is known for this.
     #[test]
     fn the_longer_it_was_not_shown_the_weaker_a_releaser_suffices() {
         for releaser in [0.1, 0.3, 0.5, 0.7] {

@@ -107,6 +107,7 @@ mod tests {
         sum
     }
 
+    /// Quadratic costs (§7.2.2), beside all orders that there are.
     #[test]
     fn the_cheapest_of_all_orders_is_by_urgency() {
         let mut chance = Chance::new(1, "needs");

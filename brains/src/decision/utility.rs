@@ -132,6 +132,7 @@ mod tests {
         (before, utility.value())
     }
 
+    /// (8.4), (8.5) in Fig. 8.2.
     #[test]
     fn a_signal_that_is_lost_for_a_moment_makes_a_small_dip() {
         for (z, before, euler) in [
@@ -163,6 +164,7 @@ mod tests {
         assert!((part - 0.393469).abs() < 1e-5, "{part}");
     }
 
+    /// (8.6).
     #[test]
     fn gamma_falls_off_exponentially() {
         let mut utility = Utility::new(figure_8_2());

@@ -370,6 +370,7 @@ fn changes(toml: &str) -> usize {
     active.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 
+/// The cost of changing (§7.2.1).
 #[test]
 fn two_needs_make_it_dither_unless_a_change_costs() {
     let free = changes(NEEDS);

@@ -1,4 +1,4 @@
-//! Nodes and the paths between them: Wahde 2016, §6.1.
+//! Nodes and the paths between them: Wahde 2016, §6.1, Fig. 6.3.
 //!
 //! *Deviation.* The notes speak of paths from node to node as the robot has placed them, which is a tree. Ways that
 //! the robot has driven directly are added here, and the path is the shortest.
@@ -204,6 +204,7 @@ mod tests {
         assert_eq!((paths.length(3), paths.next(3)), (0.0, None));
     }
 
+    /// The corner of Fig. 6.3.
     #[test]
     fn a_way_is_blocked_in_one_direction_only() {
         let mut graph = graph();

@@ -131,6 +131,7 @@ mod tests {
         })
     }
 
+    /// The two intervals of Fig. 6.1.
     #[test]
     fn the_figures_intervals_get_one_node_and_two() {
         let intervals = PLACEMENT.intervals(figure().scan());

@@ -172,6 +172,7 @@ mod tests {
         error, free_pose, moved, noisy_scan, office, pillars, quantile, urg,
     };
 
+    /// (6.8).
     #[test]
     fn the_error_is_that_of_the_equation() {
         let far = f64::INFINITY;
@@ -289,6 +290,7 @@ mod tests {
     const NOTES: Parameters =
         Parameters { box_m: 0.1, box_rad: 0.1, threshold: 0.0, iterations: 1000, shrink: None };
 
+    /// The search of §6.3.1.
     #[test]
     fn the_notes_search_finds_centimetres() {
         Results::of(&office(), 171, 100, &NOTES).assert_below([0.010, 0.025, 0.003, 0.05]);
@@ -329,6 +331,7 @@ mod tests {
         assert_eq!(Results::of(&office(), 171, 1, &never).scans, [11.0]);
     }
 
+    /// The poses of Fig. 6.18.
     #[test]
     fn who_watches_is_told_of_each_pose_and_changes_nothing() {
         let (map, truth, laser) = (office(), Pose::new(2.0, 2.0, 0.5), urg(171));

@@ -39,6 +39,7 @@ fn a_straight_way_leads_along_the_heading() {
     assert_near(odometry.estimate().world_from_robot, expected, 1e-12);
 }
 
+/// (2.5)–(2.9), where the wheels' speeds are constant and the integrals are known.
 #[test]
 fn an_arc_is_exact_however_few_readings_arrive() {
     // A quarter of a circle of 0.5 m to the left.

@@ -59,6 +59,7 @@ fn near(plan: &Plan, figure: f64) {
 }
 
 /// Lengths of the shortest path, of greedy search and of Fig. 6.7's walk, which were computed independently.
+/// The searches of §6.2.1, Figs. 6.7 and 6.9.
 #[test]
 fn lengths_on_three_grids_are_the_known_ones() {
     let figures = [
@@ -98,6 +99,7 @@ fn theta_star_goes_straight_and_round_corners() {
 
 /// With the tie rule of `best_first` and the order of `Moves::neighbours`, these are exact. A\* is better the
 /// nearer its estimates are to the truth.
+/// The cells that were checked, light green in Figs. 6.8 and 6.10.
 #[test]
 fn a_better_heuristic_expands_fewer_cells() {
     let figures = [
@@ -133,6 +135,7 @@ fn all_that_was_expanded_was_touched_once_and_the_target_came_last() {
     }
 }
 
+/// The end of Fig. 6.7 in front of a wall.
 #[test]
 fn the_walker_gets_stuck_where_a_search_does_not() {
     // The corridor draws it in, and it never goes back.
@@ -146,6 +149,7 @@ fn the_walker_gets_stuck_where_a_search_does_not() {
     assert_eq!([task.dijkstra(Four).length_m, task.greedy(Four).length_m], [9.0, 9.0]);
 }
 
+/// The right panel of Fig. 6.5.
 #[test]
 fn a_cell_is_as_long_as_it_says() {
     let mut grid = Grid::new(3, 1, 0.25, baudbot_geometry::Point::new(7.0, -1.0)).unwrap();
@@ -209,6 +213,7 @@ fn random_task() -> impl Strategy<Value = Task> {
 }
 
 proptest! {
+    /// Fig. 6.9 finds shortest ways.
     #[test]
     fn a_star_finds_ways_as_short_as_dijkstras_and_the_others_none_shorter(task in random_task()) {
         let eight = &[Euclidean, Octile][..];

@@ -115,6 +115,7 @@ mod tests {
         (at, None)
     }
 
+    /// (6.1), (6.2).
     #[test]
     fn a_potential_has_the_height_and_the_gradient_of_its_equation() {
         let one = potential([0.0, 0.0, 3.0, 2.0, 4.0]);
@@ -124,6 +125,7 @@ mod tests {
         assert!((gradient.x + 0.9097959896).abs() < 1e-10 && (gradient.y + 0.4548979948).abs() < 1e-10);
     }
 
+    /// The local minimum of Fig. 6.13.
     #[test]
     fn the_wedge_has_a_minimum_in_front_of_it_and_the_goal_behind_it() {
         let field = wedge();
@@ -166,6 +168,7 @@ mod tests {
         assert!(reached_s.is_none() && (at.x - 0.467).abs() < 0.002 && (at.y - 0.745).abs() < 0.002, "{at}");
     }
 
+    /// (6.3).
     #[test]
     fn where_there_is_no_slope_there_is_no_direction() {
         let field = Field { potentials: vec![potential([1.0, 1.0, 2.0, 1.0, 1.0])] };

@@ -66,6 +66,7 @@ fn a_trace_that_cannot_be_written_is_an_error_that_names_it() {
     assert!(code == 1 && err.contains("cannot write /dev/full"), "{err}");
 }
 
+/// The boxes of Fig. 3.2, in microseconds.
 #[test]
 fn the_third_cycle_of_wander_takes_what_the_documents_say() {
     let svg = good(&["diagram", "wander", "--cycle", "3", "--svg", "-"]);

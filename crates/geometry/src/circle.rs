@@ -24,7 +24,7 @@ impl Circle {
     }
 
     /// Whether some point of the segment is strictly nearer to the centre than the radius. Touching is not
-    /// overlapping.
+    /// overlapping. The collision of §3.2.5.
     #[inline]
     #[must_use]
     pub fn overlaps_segment(&self, segment: &Segment) -> bool {

@@ -32,7 +32,7 @@ impl Fan {
         size_of_val(&*self.kappas) + size_of_val(&*self.relative)
     }
 
-    /// A fan of `rays` rays over an opening angle in radians.
+    /// A fan of `rays` rays over an opening angle in radians, spaced by (3.11).
     ///
     /// The first and the last ray are the sides of the opening; over a full turn they coincide.
     ///
@@ -117,6 +117,7 @@ mod tests {
         assert_eq!(fan.cos_kappa(0), 1.0);
     }
 
+    /// (3.11).
     #[test]
     fn spacing_is_that_of_the_equation() {
         let (opening, n) = (1.1, 7);
@@ -127,6 +128,7 @@ mod tests {
         }
     }
 
+    /// (3.14), on both sides to the last bit.
     #[test]
     fn halves_are_mirror_images() {
         let fan = Fan::new(1.3, 11);
@@ -136,6 +138,7 @@ mod tests {
         assert_eq!(fan.kappas()[5], 0.0);
     }
 
+    /// (3.10).
     #[test]
     fn rays_turn_with_the_sensor() {
         let fan = Fan::new(1.0, 3);

@@ -132,6 +132,7 @@ mod tests {
 
     use super::*;
 
+    /// (3.9), with the rotation.
     #[test]
     fn a_sensor_on_the_left_of_a_robot_that_looks_up() {
         let world_from_robot = Pose::new(2.0, 1.0, FRAC_PI_2);
@@ -150,6 +151,7 @@ mod tests {
         assert!(world_from_sensor.heading < 0.0, "wrapped");
     }
 
+    /// The sum of angles in (3.10).
     #[test]
     fn a_direction_adds_angles() {
         let sum = Direction::from_angle(0.4).rotate(Direction::from_angle(0.9));

@@ -35,7 +35,7 @@ impl Ray {
     ///
     /// It is 0 if the origin lies on the segment, wherever the ray points. "On" means up to rounding: from a
     /// place a few roundings behind the wall the crossing would be computed as behind the origin too, and a
-    /// robot that leans on a wall would look through it.
+    /// robot that leans on a wall would look through it. (3.6)–(3.8) in another way (see above).
     #[inline]
     #[must_use]
     pub fn hit_segment(&self, segment: &Segment) -> Option<f64> {
@@ -142,6 +142,7 @@ mod tests {
         both.then(|| (t * (b1 - a1)).norm())
     }
 
+    /// (3.3), (3.6)–(3.8), as printed, beside the routine for one ray.
     #[test]
     fn agrees_with_the_equations() {
         let wall = segment(1.3, -0.7, 0.9, 1.1);

@@ -113,6 +113,7 @@ mod tests {
         Segment { start: Point::new(x0, y0), end: Point::new(x1, y1) }
     }
 
+    /// The points of (3.4) and (3.5), whose parameter ends at 0 and 1.
     #[test]
     fn nearest_is_beside_or_an_end() {
         let wall = segment(1.0, 1.0, 4.0, 1.0);

@@ -75,6 +75,7 @@ mod tests {
 
     use super::*;
 
+    /// (2.2), (2.3) undo (2.5), (2.6).
     #[test]
     fn wheels_and_motions_are_the_same_thing_said_twice() {
         let twist = Twist::of_wheels([0.25, 0.75], 0.25);

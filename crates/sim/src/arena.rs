@@ -174,7 +174,7 @@ impl Arena {
 
     /// The name of the shape that a disc runs into, if any: its outline is strictly nearer than the radius
     /// (touching is no collision, as in ARSim), or the disc's centre is inside a solid polygon, which ARSim
-    /// does not see.
+    /// does not see. The collision of §3.2.5.
     pub fn obstacle_at(&self, disc: &Circle) -> Option<&str> {
         self.thing_at(disc).map(|thing| self.name_of(thing))
     }

@@ -386,6 +386,7 @@ mod tests {
         assert_eq!(held, [None, Some(Met::Robot(0))]);
     }
 
+    /// A disc beside a segment (§3.2.5).
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
@@ -471,6 +472,7 @@ mod tests {
         assert!(!room.contains(&Pose::new(f64::NAN, 0.0, 0.0)));
     }
 
+    /// Collisions between two steps, which §3.2.5 leaves out.
     #[test]
     fn nothing_passes_through_a_thin_wall_in_one_long_step() {
         let points =

@@ -82,14 +82,14 @@ pub struct Wheel {
     pub inertia_kg_m2: f64,
 }
 
-/// A of (2.26), in 1/m: forward force per torque, the wheels' own inertia taken off.
+/// A of (2.26), in 1/m: forward force per torque, the wheels' own inertia taken off. Without any it is (2.33).
 pub fn forward_gain(mass_kg: f64, wheel_radius_m: f64, wheel: Wheel) -> f64 {
     let r = wheel_radius_m;
     let share = wheel.inertia_kg_m2 / (mass_kg * r * r) + wheel.mass_kg / mass_kg;
     1.0 / (r * (1.0 + 2.0 * share))
 }
 
-/// B of (2.30): turning torque per difference of wheel torques.
+/// B of (2.30): turning torque per difference of wheel torques. Without the wheels' inertia it is (2.34).
 pub fn turn_gain(inertia_kg_m2: f64, half_track_m: f64, wheel_radius_m: f64, wheel: Wheel) -> f64 {
     let (track, r) = (half_track_m, wheel_radius_m);
     let share = wheel.inertia_kg_m2 * track / (inertia_kg_m2 * r) + wheel.mass_kg * track * r / inertia_kg_m2;
@@ -373,12 +373,14 @@ impl Drive {
 mod tests {
     use super::{Deviation, Wheel, forward_gain, turn_gain};
 
+    /// (2.33), (2.34).
     #[test]
     fn massless_wheels_give_the_simple_gains_of_2_33_and_2_34() {
         assert_eq!(forward_gain(3.0, 0.1, Wheel::default()), 10.0);
         assert_eq!(turn_gain(0.2, 0.2, 0.1, Wheel::default()), 2.0);
     }
 
+    /// (2.26), (2.30).
     #[test]
     fn wheels_with_mass_lower_both_gains_as_2_26_and_2_30_say() {
         let wheel = Wheel { mass_kg: 0.3, inertia_kg_m2: 0.0015 };

@@ -287,7 +287,7 @@ impl Laptop {
         if self.has_answered { None } else { self.asked.back()?.1 }
     }
 
-    /// The brain steps at `at`, in this tick: it has now been given all that arrived.
+    /// The brain steps at `at`, in this tick: it has now been given all that arrived, which is no longer readable (§3.2.1).
     pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime) {
         if self.asked.len() == MAX_ASKED {
             self.asked.pop_front();

@@ -190,6 +190,7 @@ mod tests {
         assert_eq!(stream.uniform(), restored.uniform());
     }
 
+    /// N(0, 1), of which N(1, σ) of (3.1) is made.
     #[test]
     fn normal_deviates_have_mean_0_and_variance_1() {
         let mut stream = Stream::new(7, "test");

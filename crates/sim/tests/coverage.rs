@@ -174,6 +174,7 @@ fn what_is_refused_says_how_to_mend_it() {
     );
 }
 
+/// Area coverage (§6.1).
 #[test]
 fn a_disc_covers_the_cells_under_it() {
     let floor = floor(vec![room()], vec![], 0.5, &[(0.0, 0.0)]);
@@ -191,6 +192,7 @@ fn a_disc_covers_the_cells_under_it() {
     assert_eq!(coverage.floor_fraction(&floor), 1.0);
 }
 
+/// Area coverage (§6.1) between two steps.
 #[test]
 fn a_fast_robot_leaves_no_gaps() {
     let floor = floor(vec![room()], vec![], 0.5, &[(0.0, 0.0)]);
@@ -199,6 +201,7 @@ fn a_fast_robot_leaves_no_gaps() {
     assert_eq!(covered(&floor, &coverage), (0..8).map(|column| (column, 2)).collect::<Vec<_>>());
 }
 
+/// Sensory area coverage (§6.1).
 #[test]
 fn a_ray_senses_up_to_the_wall_and_not_behind_it() {
     let wall = polygon(false, &[(1.0, 0.0), (1.0, 1.0)]);

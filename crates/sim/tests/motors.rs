@@ -29,6 +29,7 @@ fn refused(motors: &str, expected: &str) {
     assert!(message.starts_with(expected), "expected `{expected}` in: {message}");
 }
 
+/// (3.15), and the encoders that §3.2.4 asks for.
 #[test]
 fn a_velocity_regulated_robot_reaches_its_reference_speed_and_needs_encoders() {
     let body = BODY.replace("damping_n_s_m = 15.0", "damping_n_s_m = 0.0");
@@ -243,6 +244,7 @@ fn command_of_three(world: &World, signals: [f64; 3]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
+/// Pulses come at intervals T: Fig. 1.15.
 #[test]
 fn a_servo_obeys_with_its_next_pulse() {
     let motors = "kind = \"servo\", lag_ms = 0.0";

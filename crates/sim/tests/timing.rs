@@ -36,6 +36,7 @@ fn exchanges_per_second(sensors: usize, baud: u32, bits: u8) -> f64 {
     (arrivals.len() - 1) as f64 / (arrivals.last().unwrap() - arrivals[0])
 }
 
+/// The exchanges of §3.2.1 at other rates.
 #[test]
 fn exchanges_a_second_by_baud_rate_sensors_and_bits() {
     let mut table = String::new();
@@ -53,12 +54,14 @@ fn exchanges_a_second_by_baud_rate_sensors_and_bits() {
     insta::assert_snapshot!(table);
 }
 
+/// Six bytes at 9600 baud, by §3.2.1.
 #[test]
 fn the_notes_example_is_200_exchanges_with_8_bits_and_160_with_8n1() {
     assert!((exchanges_per_second(4, 9600, 8) - 200.0).abs() < 0.5);
     assert!((exchanges_per_second(4, 9600, 10) - 160.0).abs() < 0.5);
 }
 
+/// The readability of §3.2.1.
 #[test]
 fn each_ir_sensor_of_a_khepera_is_readable_at_every_second_step_and_not_more() {
     for overrides in [&["robots.khepera.link={ kind = \"ideal\" }"][..], &[]] {
@@ -80,6 +83,7 @@ fn each_ir_sensor_of_a_khepera_is_readable_at_every_second_step_and_not_more() {
     }
 }
 
+/// Sensors that are read one after the other (§3.2.1).
 #[test]
 fn a_reading_says_when_it_was_sampled() {
     let mut world = world(KHEPERA);
@@ -97,6 +101,7 @@ fn a_reading_says_when_it_was_sampled() {
     }
 }
 
+/// Steps 1 to 3 of Fig. 3.1 take their time on a real robot (§3.2.1).
 #[test]
 fn an_answer_that_fits_into_the_tick_acts_in_it_and_one_that_does_not_acts_later() {
     // One byte of readings up and two of signals down: 0.78 ms at 38,400 baud, 25 ms at 1200.

@@ -66,6 +66,7 @@ fn a_snapshot_is_a_clone_with_the_same_hash_and_the_same_future() {
     assert_ne!(one.hash(), two.hash());
 }
 
+/// Without noise (3.1) is the reading itself.
 #[test]
 fn the_seed_matters_only_where_there_is_noise() {
     let hash = |overrides: &[&str]| {
@@ -208,6 +209,7 @@ fn a_new_partner_is_a_new_collision_even_in_a_narrow_place() {
     assert!(!world.robot(0).collided());
 }
 
+/// Of several hits on a ray the nearest counts (§3.2.3).
 #[test]
 fn other_robots_are_seen_and_the_own_body_is_not() {
     let sensor = "[robots.sensors.front]\nkind = \"ir\"\nbearing_rad = 0.0\nrays = 1\nopening_rad = 0.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1\n";
@@ -221,6 +223,7 @@ fn other_robots_are_seen_and_the_own_body_is_not() {
     assert!((sample - (0.03 / 0.36 + 0.1)).abs() < 1e-12, "{sample}");
 }
 
+/// (2.31) and (2.32) give the speeds at which V̇ and φ̈ are 0, and (2.1)–(2.3) those of the wheels.
 #[test]
 fn arsims_steady_speeds_and_spins_come_out() {
     for (signal, speed) in [(0.5, 0.3876), (1.0, 0.7851)] {
@@ -238,6 +241,7 @@ fn arsims_steady_speeds_and_spins_come_out() {
     }
 }
 
+/// Encoders (§1.2.2).
 #[test]
 fn encoders_count_the_marks_that_passed_and_wrap_on_the_wire() {
     let encoders = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\nbits = 8";
@@ -323,6 +327,7 @@ fn normal_cdf(x: f64) -> f64 {
     0.5 + h / 3.0 * (density(0.0) + density(x) + inner)
 }
 
+/// (2.7)–(2.9) add up the noise of their reads.
 #[test]
 fn odometer_noise_grows_as_the_square_root_of_the_steps() {
     // σ √(2n) / (2R): 0.0112 rad after 10 s at 1e-4 m.

@@ -202,7 +202,7 @@ fn an_ant_comes_home_by_its_odometry_and_searches_where_that_errs() {
     assert!(searched >= 1, "the odometry has led all of them straight to the nest");
 }
 
-/// Errors of path integration without a compass grow as n^1.5 σ / √3 in steps of 1 (§4.4.4; the sum is exact in
+/// Errors of the desert ant's path integration without a compass grow as n^1.5 σ / √3 in steps of 1 (§4.4.4; the sum is exact in
 /// `animals::ant`). Here σ is what the noise of both wheels makes of the heading in a read, and a step is the way of a read.
 #[test]
 fn the_vector_home_errs_as_path_integration_without_a_compass_does() {

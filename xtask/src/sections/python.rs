@@ -277,9 +277,12 @@ pub(super) fn manual(shell: &Shell) -> Result<(), Failure> {
     shell.run(shell.command("xtask/tools/docs"))
 }
 
-/// Tutorials and how-tos do what they say, and the pages that are made of the program's help and of the contract are up to date.
+/// Tutorials and how-tos do what they say, and the pages that are made of the program's help, of the contract and of marks in the
+/// code are up to date.
 /// The reader of some has the package with worlds in it.
 pub(super) fn manual_commands(shell: &Shell) -> Result<(), Failure> {
+    let tools = ["-m", "unittest", "discover", "--start-directory", "xtask/tools"];
+    shell.run(script(shell, "python3".as_ref(), &tools))?;
     with_program(shell, "python3".as_ref(), &["xtask/tools/reference.py", "--check"])?;
     let python = worlds_installed(shell)?;
     with_program(shell, &python, &["xtask/tools/doc_commands.py"])

@@ -66,6 +66,7 @@ fn journey(seed: u64, landmarks: &[(f64, f64)], sight_m: f64, drift_rad_s: f64) 
     journey
 }
 
+/// The desert ant's way (§4.4.4, Fig. 4.3).
 #[test]
 fn the_way_out_winds_and_the_way_home_is_straight_as_in_figure_4_3() {
     for seed in 0..20 {

@@ -74,6 +74,7 @@ mod tests {
         f64::from((100..300).contains(&step))
     }
 
+    /// (4.1) and Fig. 4.1, by the exact solution.
     #[test]
     fn figure_4_1_exactly() {
         let mut memory = LeakyIntegrator { decay_hz: 1.0, gain_hz: 1.0, value: 0.0 };

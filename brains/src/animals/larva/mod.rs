@@ -154,6 +154,7 @@ mod tests {
         pose.compose(&Pose { position: Point::from(displacement), heading: motion.turn_rate_rad_s * DT_S })
     }
 
+    /// Taxis away from light (§4.4.2).
     #[test]
     fn in_the_open_it_turns_from_the_light_and_leaves() {
         for step in [two_eyes, one_eye] {
@@ -206,6 +207,7 @@ mod tests {
         assert!(left_s.is_none() && deepest > 1.19, "{left_s:?} {deepest}");
     }
 
+    /// The fatigue of §4.4.1.
     #[test]
     fn a_reflex_tires_and_recovers_as_its_equation_says() {
         let mut larva = Larva::new(Parameters::default());

@@ -149,6 +149,7 @@ mod tests {
         (behaviours, times, largest)
     }
 
+    /// The order of Fig. 7.4, by (7.11)–(7.15).
     #[test]
     fn avoidance_escalates_as_in_figure_7_4() {
         for dt_s in [0.01, 0.005, 0.001] {

@@ -114,6 +114,7 @@ mod tests {
         damp / all
     }
 
+    /// Kinesis (§4.4.2) gathers them in the damp.
     #[test]
     fn lice_are_as_dense_as_they_are_slow() {
         let slow = Parameters { damp_speed_m_s: 0.1, ..Parameters::default() };

@@ -47,6 +47,7 @@ fn explore_from_random_starts(arena: &Arena, count: usize) -> (f64, f64) {
 
 const FIXED: [f64; 3] = [1.0, 1.0, std::f64::consts::FRAC_PI_4];
 
+/// The room of Fig. 6.2.
 #[test]
 fn a_room_with_a_low_box_is_seen_and_the_box_is_found() {
     let [x, y, heading] = FIXED;
@@ -66,6 +67,7 @@ fn a_room_is_seen_from_30_random_starts() {
     assert!(mean < 30.0 && most < 60.0, "mean {mean} m, most {most} m");
 }
 
+/// An office as in Fig. 6.4.
 #[test]
 fn an_office_is_seen() {
     let [x, y, heading] = FIXED;

@@ -118,6 +118,7 @@ fn lengths_on_three_grids() {
     }
 }
 
+/// The cells of Fig. 6.6 are convex.
 #[test]
 fn within_a_cell_the_way_is_straight() {
     let cells = CellGrid::new(Grid::new(40, 30, 0.1, Point::new(-1.0, -1.0)).unwrap());

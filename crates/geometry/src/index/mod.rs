@@ -1,6 +1,6 @@
-//! The first of many shapes on a ray: a uniform grid.
+//! The first of many shapes on a ray: a uniform grid, which Wahde 2016 mentions in a footnote to Section 3.2.3.
 //!
-//! Wahde mentions such a grid in a footnote to Section 3.2.3. Its results are those of trying every shape,
+//! Its results are those of trying every shape,
 //! to the last bit; only the time differs.
 //!
 //! Each cell lists the shapes that touch it. A ray visits cells in the order in which it enters them, and
@@ -116,7 +116,7 @@ impl Index {
         self.grid.as_ref().map(|grid| grid.bounds)
     }
 
-    /// The nearest hit at a distance of at most `range`, in metres, which may be infinite.
+    /// The nearest hit at a distance of at most `range`, in metres, which may be infinite (§3.2.3).
     #[must_use]
     pub fn cast(&self, ray: &Ray, range: f64) -> Option<Hit> {
         let grid = self.grid.as_ref()?;

@@ -46,6 +46,7 @@ fn on_border() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
+    /// Of several hits on a ray the nearest counts (§3.2.3), with the grid of the footnote.
     #[test]
     fn cast(
         arena in arenas::arena(),

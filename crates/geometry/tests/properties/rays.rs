@@ -22,6 +22,7 @@ fn vec2(point: Point) -> Vec2 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
+    /// (3.6) and (3.7) let no ray slip through a corner.
     #[test]
     fn from_inside_a_closed_chain_every_ray_hits(
         star in arenas::star(),
@@ -65,6 +66,7 @@ proptest! {
         prop_assert!(edges.iter().any(|edge| ray.hit_segment(edge).is_some()));
     }
 
+    /// (3.6)–(3.8), beside the routine of others.
     #[test]
     fn segments_agree_with_parry(segment in arenas::segment(), origin in arenas::point(), direction in arenas::direction()) {
         let along = segment.end - segment.start;

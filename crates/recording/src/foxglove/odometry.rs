@@ -1,7 +1,7 @@
 //! Dead reckoning: where a robot would believe itself to be if it had nothing but its wheels, by readings that have
 //! reached its brain. It is computed here, as in the page (viewer/src/model/odometry.ts); no brain has a part in it.
 //!
-//! Differential drive, Eqs. (2.1) ff. of the notes: with the ways s_l, s_r of the wheels and half their distance b
+//! Differential drive, Eqs. (2.1)–(2.9) of the notes: with the ways s_l, s_r of the wheels and half their distance b
 //!
 //! ```text
 //! s = (s_l + s_r) / 2,  Δφ = (s_r - s_l) / (2 b),  along the middle heading φ + Δφ/2

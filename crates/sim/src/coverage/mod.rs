@@ -71,7 +71,7 @@ impl Coverage {
 
     /// Covers the free cells whose centre is strictly inside the disc somewhere on its straight way from
     /// `before` to `after`, ends included, so that a fast robot leaves no gaps. The radius is that of
-    /// `after`; walls on the way are not looked for.
+    /// `after`; walls on the way are not looked for. Area coverage (§6.1).
     pub fn cover_swept(&mut self, floor: &Floor, before: &Circle, after: &Circle) {
         let way = Segment { start: before.center, end: after.center };
         floor.grid().in_swept(&way, after.radius, |cells| self.covered.insert_range(cells, floor.free()));
@@ -80,7 +80,7 @@ impl Coverage {
     /// Senses the free cells on the straight line from a sensor to what its ray meets.
     ///
     /// Half a nanometre at either end is left out: an obstacle often stands on the border of a cell, and what
-    /// is behind it must not be sensed because of a rounding. Walls are not looked for.
+    /// is behind it must not be sensed because of a rounding. Walls are not looked for. Sensory area coverage (§6.1).
     pub fn sense_ray(&mut self, floor: &Floor, from: Point, to: Point) {
         floor.grid().visit_line(from, to, HAIR_M, |number| self.sensed.insert_allowed(number, floor.free()));
     }

@@ -125,7 +125,7 @@ impl Uart {
 }
 
 impl Link {
-    /// Nanoseconds from the start of a burst to the arrival of its `n`-th character (from 1).
+    /// Nanoseconds from the start of a burst to the arrival of its `n`-th character (from 1): the sum of §3.2.1.
     pub fn burst_ns(&self, n: u64) -> u64 {
         match self {
             Self::Ideal | Self::Onboard => 0,

@@ -331,7 +331,7 @@ const GAIN_PER_S: f64 = 5.0;
 /// Below so many pulses a second a wheel stands: it does not come a pulse farther.
 const STANDS_PER_S: f64 = 10.0;
 
-/// The value of an infra-red sensor in the dark, roughly (manual of the Khepera II, section 3.1.7).
+/// The value of an infra-red sensor in the dark, roughly (manual of the Khepera II, 3.1.7).
 const DARK: i32 = 500;
 
 /// The value of a bus that is not driven; a guess.

@@ -152,7 +152,7 @@ impl Microcontroller {
         (due.max(self.free_at), task)
     }
 
-    /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
+    /// Frames what is readable (§3.2.1) and puts it on the line; waits until the transmitter has taken it all.
     /// `sampled` is memory for what is to be known of the
     /// message, used before.
     pub(crate) fn send_readings(

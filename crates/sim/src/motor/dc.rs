@@ -131,6 +131,7 @@ impl DcMotor {
         (self.voltage_v * signal * current_a).max(0.0)
     }
 
+    /// (1.9), at the motor's shaft.
     fn after_friction(&self, generated: f64, shaft_speed: f64) -> f64 {
         if shaft_speed.abs() >= STANDSTILL {
             let coulomb = self.coulomb_friction_nm.copysign(shaft_speed);
@@ -155,6 +156,7 @@ mod tests {
         DcMotor::default()
     }
 
+    /// The friction of (1.9) and the limit of §3.2.4, in ARSim's numbers.
     #[test]
     fn dead_zone_and_torque_limit_at_standstill_are_arsims() {
         let motor = arsim();
@@ -165,6 +167,7 @@ mod tests {
         assert_eq!(motor.torque_nm(-0.789, 0.0), -1.0);
     }
 
+    /// (1.8)–(1.10), term by term.
     #[test]
     fn a_turning_motor_loses_both_frictions_and_the_back_emf() {
         let motor = arsim();

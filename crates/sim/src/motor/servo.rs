@@ -1,4 +1,4 @@
-//! Servo for continuous rotation: the width of a pulse says how fast it turns.
+//! Servo for continuous rotation (§1.2.3): the width of a pulse (Fig. 1.15) says how fast it turns.
 //!
 //! A signal becomes a pulse width about 1.5 ms, and a measured curve turns that into a speed, which the
 //! servo approaches with a first-order lag. A new width takes effect with the next pulse.
@@ -181,6 +181,7 @@ mod tests {
         }
     }
 
+    /// The Boe-Bot's servo for continuous rotation (§1.2.3) beside its measured curve.
     #[test]
     fn the_parallax_curve_is_a_hyperbolic_tangent_within_2_turns_a_minute() {
         let servo = parallax();
@@ -206,6 +207,7 @@ mod tests {
         assert_eq!([single.rpm(0.0), single.rpm(1500.0), single.rpm(2000.0)], [7.0; 3]);
     }
 
+    /// The pulses of Fig. 1.15.
     #[test]
     fn signals_become_pulses_with_a_dead_band_and_a_trim() {
         let servo = parallax();

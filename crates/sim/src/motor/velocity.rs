@@ -110,6 +110,7 @@ mod tests {
         }
     }
 
+    /// (3.15), and the limit of §3.2.4.
     #[test]
     fn torque_is_in_proportion_to_the_missing_speed_up_to_its_limit() {
         let motor = motor();

@@ -1,4 +1,4 @@
-//! Discs and polygons as bodies: shapes, and shapes in their place.
+//! Discs and polygons as bodies: shapes, and shapes in their place. A robot's polygon is the collision geometry of Fig. 3.5.
 
 use alloc::vec::Vec;
 

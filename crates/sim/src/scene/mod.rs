@@ -196,7 +196,7 @@ impl Viewpoint<'_> {
         self.see(ray).map(|hit| hit.distance_m)
     }
 
-    /// The nearest thing along `ray`, if within range.
+    /// The nearest thing along `ray`, if within range (§3.2.3).
     pub(crate) fn see(&self, ray: &Ray) -> Option<RayHit> {
         if let Some(what) = self.covered {
             return Some(RayHit { distance_m: 0.0, what });

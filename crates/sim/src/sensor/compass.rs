@@ -1,4 +1,4 @@
-//! Compass: the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
+//! Compass (§1.2.2): the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
 //!
 //! ```text
 //! φ_m = φ + h₁ sin(φ + ψ₁) + h₂ sin(2φ + ψ₂) − ω t

@@ -1,6 +1,6 @@
-//! Gyroscope: the turn rate.
+//! Gyroscope (§1.2.2): the turn rate.
 //!
-//! Deviation: the notes (§1.2.2) say that a gyroscope measures angular acceleration. A rate gyroscope measures
+//! Deviation: the notes say that a gyroscope measures angular acceleration. A rate gyroscope measures
 //! angular velocity.
 
 use alloc::vec;

@@ -1,4 +1,4 @@
-//! IR proximity sensor: Wahde 2016, Eqs. (3.9)–(3.14) and (3.1); from measured samples (3.2); and as a meter of
+//! Infra-red proximity sensor: Wahde 2016, §1.2.2, Eqs. (3.9)–(3.14) and (3.1); from measured samples (3.2); and as a meter of
 //! the light around it.
 //!
 //! Deviations. The notes give a ray no reading if d > D; ARSim, which we follow, if d ≥ D. ρ is limited to 1
@@ -206,6 +206,7 @@ fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
 }
 
 impl Infrared {
+    /// The mean (3.12) over the rays, each of which reads (3.13).
     fn reflected(&self, at: &Measurement<'_>, c1_m2: f64, c2: f64) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let reading = |d: f64, cos_kappa: f64| {
@@ -234,7 +235,7 @@ impl Infrared {
     }
 
     /// The distance L and the angle are those of the ray that comes back first; if none does, the reading is
-    /// one of the samples at the largest distance.
+    /// one of the samples at the largest distance. Between them it is (3.2).
     fn sampled(&self, at: &Measurement<'_>, lookup: &Lookup, stream: &mut Stream) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let viewpoint = self.mount.look(at, &pose, self.range_m);

@@ -238,6 +238,7 @@ mod tests {
         assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
     }
 
+    /// (3.2), in the notes' own numbers.
     #[test]
     fn the_example_of_3_2_is_three_fifths_of_the_way_between_two_samples() {
         let samples = vec![vec![vec![0.9]], vec![vec![0.6]], vec![vec![0.5]], vec![vec![0.1]]];

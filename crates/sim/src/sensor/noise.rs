@@ -354,6 +354,7 @@ mod tests {
         }
     }
 
+    /// (3.1).
     #[test]
     fn multiplicative_noise_is_a_normal_factor_3_1() {
         let mut samples = singles(&Noise { multiplicative: 0.1, ..Noise::default() }, 2.0);

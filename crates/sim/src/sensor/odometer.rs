@@ -81,7 +81,7 @@ impl Sense for Odometer {
         Estimate::calibrated(start)
     }
 
-    /// The estimated x, y (metres) and heading (radians, in (−π, π]).
+    /// The estimated x, y (metres) and heading (radians, in (−π, π]): (2.7)–(2.9).
     fn read(
         &self,
         at: &Measurement<'_>,

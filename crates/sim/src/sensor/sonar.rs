@@ -1,4 +1,4 @@
-//! Ultrasound: GPRSim's model (§3.2.3), with the time that the sound takes.
+//! Ultrasound, the sonar of §1.2.2: GPRSim's model (§3.2.3), with the time that the sound takes.
 //!
 //! S = min dᵢ with probability p, and D_max (nothing heard) else; below D_min it is D_min. The microcontroller
 //! that times the echo waits for it: a reading takes as long as the sound travels.

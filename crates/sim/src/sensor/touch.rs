@@ -1,4 +1,4 @@
-//! Touch: whiskers and bumpers (§1.2.4): 0 if nothing is touched, 1 if something is.
+//! Touch (§1.2.2): whiskers and bumpers (§1.2.4): 0 if nothing is touched, 1 if something is.
 //!
 //! On a real Boe-Bot the whisker pulls its pin low, so the program reads 0 when it touches: `active_low`. The
 //! contact bounces: for a while after each change the reading is either, as likely as not.

@@ -111,6 +111,7 @@ fn think(world: &mut World, ticks: usize) {
     }
 }
 
+/// The Boe-Bot of Fig. 1.19 has one processor for all.
 #[test]
 fn a_brain_on_board_takes_the_microcontrollers_time() {
     let mut world =

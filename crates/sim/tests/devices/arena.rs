@@ -198,6 +198,7 @@ fn turning(policy: &str) -> World {
     world
 }
 
+/// A collision geometry, as in Fig. 3.5.
 #[test]
 fn a_robot_with_corners_runs_into_walls_by_turning() {
     let stopped = turning("stop-robot");
@@ -228,6 +229,7 @@ fn a_robot_with_corners_runs_into_another_by_turning() {
 const ROOM: &str =
     "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [3, -1], [3, 1], [-1, 1]]\n";
 
+/// Area coverage (§6.1).
 #[test]
 fn coverage_grows_with_the_way_and_ends_the_run() {
     let top = format!("{ROOM}[metrics]\ncell_m = 0.1\n[end]\ncovered = 0.15\n");

@@ -25,6 +25,7 @@ fn marks(travel_m: f64, per_turn: f64) -> f64 {
     (travel_m * per_turn / (TAU * 0.1)).floor()
 }
 
+/// An encoder with two detectors (§1.2.2): the right panel of Fig. 1.6.
 #[test]
 fn quadrature_encoders_count_both_ways() {
     let mut world = driving("counts_per_turn = 600", "");
@@ -37,6 +38,7 @@ fn quadrature_encoders_count_both_ways() {
     assert_eq!(counts(&mut world), [marks(travel.left, 600.0), marks(travel.right, 600.0)]);
 }
 
+/// The left panel of Fig. 1.6: one detector knows no direction.
 #[test]
 fn a_single_channel_counts_up_both_ways() {
     let mut world = driving("counts_per_turn = 100\nquadrature = false", "");

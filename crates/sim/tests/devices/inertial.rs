@@ -16,6 +16,7 @@ fn moving(top: &str, sensor: &str) -> String {
     scene(top, MOVING, &crate::devices::scene::named("s", sensor))
 }
 
+/// The accelerometer of §1.2.2, Fig. 1.10: a mass on a spring feels V̇ and V φ̇.
 #[test]
 fn an_accelerometer_feels_the_change_of_speed_and_the_curve() {
     let mut world = world(&moving("", &ACCELEROMETER.replace("5.0", "20.0")));
@@ -46,6 +47,7 @@ fn an_accelerometer_says_no_more_than_its_range() {
     assert_eq!(readings[1][0], 5.0);
 }
 
+/// A gyroscope (§1.2.2).
 #[test]
 fn a_gyroscope_reads_the_turn_rate_within_its_range() {
     let at = |rate: f64| {
@@ -122,6 +124,7 @@ fn heading(heading: f64, compass: &str, top: &str) -> f64 {
     single(&scene(top, &start, &crate::devices::scene::named("s", &format!("kind = \"compass\"\n{compass}"))))
 }
 
+/// A compass (§1.2.2).
 #[test]
 fn a_compass_reads_the_heading_turned_by_iron_and_by_zones() {
     near(heading(0.5, "", ""), 0.5);

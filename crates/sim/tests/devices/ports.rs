@@ -284,6 +284,7 @@ fn a_brain_with_a_port_is_woken_by_it() {
     assert_eq!(first, Some(3));
 }
 
+/// The laser of Fig. 1.18 is joined to the laptop.
 #[test]
 fn a_port_does_not_keep_the_microcontroller_busy() {
     let sensors = named("c", "kind = \"compass\"\nperiod_ms = 1.0");

@@ -8,6 +8,7 @@ use crate::devices::scene::{collect, first, named, near, scene, view, with_senso
 
 const ODOMETER: &str = "kind = \"odometer\"";
 
+/// (2.7)–(2.9).
 #[test]
 fn an_odometer_without_noise_follows_the_true_pose() {
     let start = "start = { x_m = 1.0, y_m = -2.0, heading_rad = 0.7 }";
@@ -56,6 +57,7 @@ fn gps(top: &str, start: &str, more: &str) -> World {
     world(&scene(&format!("{top}\n{ORIGIN}"), start, &named("s", &format!("kind = \"gps\"\n{more}"))))
 }
 
+/// A satellite receiver (§1.2.2).
 #[test]
 fn a_receiver_tells_latitude_longitude_speed_and_course() {
     let mut world = gps("", "start = { x_m = 100.0, y_m = 200.0, heading_rad = 0.5, speed_m_s = 0.6 }", "");

@@ -71,6 +71,7 @@ fn an_ir_sensor_has_multiplicative_noise_3_1() {
 
 const LOOKUP: &str = "kind = \"ir\"\nbearing_rad = 0.0\nopening_rad = 0.0\nrays = 1\nrange_m = 1.0";
 
+/// (3.2) of a whole sensor.
 #[test]
 fn a_lookup_interpolates_between_distances_and_holds_its_ends() {
     let table =
@@ -134,6 +135,7 @@ fn lamp(x: f64, y: f64, intensity: f64) -> String {
     format!("[[arena.lights]]\nname = \"l\"\nx_m = {x:?}\ny_m = {y:?}\nintensity_cd = {intensity:?}\n")
 }
 
+/// Ambient light by an infra-red sensor (§1.2.2).
 #[test]
 fn an_ir_sensor_without_its_emitter_is_dark_at_1_and_0_in_the_light() {
     for rays in [1, 3] {
@@ -165,6 +167,7 @@ fn an_ir_sensor_without_its_emitter_has_multiplicative_noise_too() {
     assert_distributed(&mut values, |scale| normal(0.8, 0.04 * scale));
 }
 
+/// The GP2D12's voltage (§1.2.2).
 #[test]
 fn a_voltage_ranger_follows_its_curve_and_folds_back_when_too_near() {
     for (d, volts) in [(0.1, 2.3), (0.45, 1.35), (0.8, 0.4), (0.9, 0.3), (0.03, 1.9), (0.06, 2.9)] {
@@ -192,6 +195,7 @@ fn a_voltage_ranger_has_additive_noise_and_no_voltage_beyond_its_supply() {
 const SONAR: &str =
     "kind = \"sonar\"\nbearing_rad = 0.0\nopening_rad = 0.6\nrays = 7\nmin_m = 0.02\nmax_m = 3.0";
 
+/// Ultrasound by §3.2.3: S = min dᵢ.
 #[test]
 fn a_sonar_reads_the_nearest_thing_in_its_cone() {
     let pole = |y: f64| {
@@ -203,6 +207,7 @@ fn a_sonar_reads_the_nearest_thing_in_its_cone() {
     near(single(&with_sensor(&wall(0.21), SONAR)), 0.02);
 }
 
+/// Ultrasound by §3.2.3: the probability p.
 #[test]
 fn a_sonar_hears_an_echo_as_often_as_its_detection_says() {
     let toml = with_sensor(
@@ -271,6 +276,7 @@ fn compass_after_sonar(top: &str, sonar: &str) -> u64 {
     first.missed
 }
 
+/// A sonar's time of flight (§1.2.2).
 #[test]
 fn a_sonar_keeps_the_microcontroller_busy_until_its_echo_is_back() {
     let sonar = format!("{SONAR}\nperiod_ms = 1000.0\nholdoff_us = 750.0\ntimeout_ms = 18.5");
@@ -331,6 +337,7 @@ fn a_strange_pulse_seems_as_far_away_as_an_echo_that_comes_with_it() {
 
 const LASER: &str = "kind = \"laser\"\nmount = {}\nopening_rad = 3.141592653589793\nrays = 5\nrange_m = 4.0";
 
+/// A laser by §1.2.2 and §3.2.3: Sᵢ = dᵢ, or −1.
 #[test]
 fn a_laser_reads_each_direction_from_right_to_left_and_minus_1_for_nothing() {
     let walls =

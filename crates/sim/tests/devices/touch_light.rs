@@ -12,6 +12,7 @@ use crate::devices::scene::{
 
 const WHISKER: &str = "kind = \"whisker\"\nbearing_rad = 0.0\nlength_m = 0.1";
 
+/// The sense of touch (§1.2.2) of the Boe-Bot's whiskers (§1.2.4).
 #[test]
 fn a_whisker_touches_what_is_within_its_length() {
     for (x, touched) in [(0.25, 1.0), (0.299, 1.0), (0.301, 0.0), (2.0, 0.0)] {
