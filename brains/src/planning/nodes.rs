@@ -1,4 +1,4 @@
-//! Nodes that need not be equidistant, and edges between them: the left panel of Fig. 6.5.
+//! Irregular graphs, whose nodes need not be equidistant: the left panel of Fig. 6.5, Section 6.2.1.
 //!
 //! ```text
 //! c(a, b) = √((x_a − x_b)² + (y_a − y_b)²)        the cost of an edge, Section 6.2.1
@@ -271,6 +271,7 @@ mod tests {
         NodeGraph::new(nodes, vec![[0, 1], [1, 2], [2, 3], [3, 4], [0, 5], [5, 4], [0, 6]]).unwrap()
     }
 
+    /// An irregular graph of Section 6.2.1.
     #[test]
     fn lengths_are_those_of_triangles() {
         let graph = ring();

@@ -374,7 +374,7 @@ fn a_khepera_reads_a_sensor_every_2_5_ms_and_each_every_20_ms() {
     }
 }
 
-/// The seconds for 60° are those without load at 4.8 and 6 V.
+/// The servo of Fig. 1.14. The seconds for 60° are those without load at 4.8 and 6 V.
 #[test]
 fn a_hitec_645_turns_60_degrees_in_its_time_and_ignores_8_us() {
     for (name, seconds) in [("hs-645mg", 0.24), ("hs-645mg-6v", 0.2)] {

@@ -1,4 +1,4 @@
-//! Around what is on no map: the planned path is the nominal one, and a potential field bends it. Section 6.2.2.
+//! Around what is on no map: the planned path is the nominal path of Section 6.2.2, and a potential field bends it. A moving obstacle is one that is new.
 //!
 //! ```text
 //! Φ(r) = −exp(−|r − g|² / 2L²) + Σᵢ α exp(−|r − oᵢ|² / β²)        Wahde 2016, Eqs. (6.1), (6.2)
@@ -184,6 +184,7 @@ mod tests {
         assert_eq!(error.to_string(), "field.far_m: must be positive, is 0");
     }
 
+    /// A moving obstacle beside the nominal path of Section 6.2.2.
     #[test]
     fn something_that_walks_is_one_hill_and_walls_alone_are_no_news() {
         let away = around(Point::new(-2.0, 0.0));

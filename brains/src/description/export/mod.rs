@@ -1,4 +1,4 @@
-//! A described brain as one C file: the standard form in which brains go to real robots (Wahde 2016, Sections 3.1 and 3.2.7).
+//! A described brain as one C file: the standard form in which brains go to real robots (Wahde 2016, Sections 3.1 and 3.2.7): its export.
 //!
 //! ```text
 //! z = sense(readings),   ḣ = feel(z, h),   choice = decide(z, h),   signals = act(choice, readings)      (Section 8.1)

@@ -319,6 +319,7 @@ fn of_text(name: String, toml: &str, body: Body) -> Pair {
     Pair { name, brain, file, body }
 }
 
+/// The export of Section 3.1.
 #[test]
 fn an_exported_brain_decides_as_that_of_the_program_to_the_bit() {
     let eyes = |names: &[(&'static str, &'static str, f64)]| Body {

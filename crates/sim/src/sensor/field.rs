@@ -140,7 +140,7 @@ impl Sense for Microphone {
 }
 
 impl Microphone {
-    /// The part of a sound of this frequency that it passes.
+    /// The part of a sound of this frequency that it passes: tones (§1.2.3).
     fn gain(&self, frequency_hz: Option<f64>) -> f64 {
         let (Some([low, high]), Some(frequency_hz)) = (self.band_hz, frequency_hz) else { return 1.0 };
         let ratio = (frequency_hz / low).min(high / frequency_hz).min(1.0);

@@ -84,7 +84,7 @@ enum Parts {
     Both([f64; 2], Altitude),
 }
 
-/// The altitude.
+/// The altitude, which receivers tell as well (§1.2.2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Altitude {
     /// The error that wanders slowly, and the one that wanders faster, both as along an axis.

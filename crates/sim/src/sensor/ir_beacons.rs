@@ -1,4 +1,4 @@
-//! Local positioning by two spots of infra-red light on the ceiling (Section 6.3), as Evolution Robotics' Northstar does it: a projector throws them
+//! Local positioning by infra-red beacons (Section 6.3), two spots of light on the ceiling, as Evolution Robotics' Northstar does it: a projector throws them
 //! there, and a sensor that looks up tells them apart and measures the direction of each.
 //!
 //! At the horizontal distance d from a spot on a ceiling H above the sensor, the light comes at the angle θ from the vertical, tan θ = d / H.

@@ -18,6 +18,7 @@ fn at(top: &str, [x_m, y_m, heading_rad]: [f64; 3], fields: &str) -> String {
     )
 }
 
+/// The beacons of Section 6.3.
 #[test]
 fn without_noise_it_tells_its_own_pose() {
     for pose in [[0.0, 0.0, 0.0], [0.3, -1.2, 2.5], [-2.0, 2.0, -3.0]] {

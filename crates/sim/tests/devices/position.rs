@@ -212,6 +212,7 @@ fn street(horizon_deg: f64) -> String {
     )
 }
 
+/// §1.2.2: latitude, longitude, altitude, and the number of satellites.
 #[test]
 fn a_receiver_tells_altitude_satellites_and_dilution() {
     for (satellites, horizon_deg) in HORIZONS.into_iter().chain([(12, 0.0)]) {

@@ -448,6 +448,7 @@ fn letters(toml: &str) -> String {
     (0..8).map(letter).collect()
 }
 
+/// The camera of §1.2.2, as one eye of the head in Fig. 1.9.
 #[test]
 fn a_camera_sees_over_a_box_its_top_and_the_floor_before_it() {
     // Lines of sight fall or rise by 0.05, 0.15, 0.25 and 0.35 a metre: to the floor after 10, 3.3, 2 and 1.43 metres.

@@ -25,6 +25,7 @@ fn reading(world: &World, name: &str) -> f64 {
 /// At half the voltage a motor that stands gives 0.0333 N m/A · 6 V / 0.62 Ω, less 0.008 N m of friction; gears double that, (1.8) to (1.10).
 const HELD_N: f64 = 2.0 * 2.0 * (0.0333 * 6.0 / 0.62 - 0.008) / 0.1;
 
+/// A strain gauge of §1.2.2.
 #[test]
 fn a_robot_that_is_held_pushes_with_the_torques_of_its_wheels() {
     let sensors = gauge("n", "") + &gauge("bridge", "bridge_mv_v = 2.0") + &gauge("slow", "period_ms = 70.0");

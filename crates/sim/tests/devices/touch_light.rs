@@ -300,6 +300,7 @@ fn heard(band: &str, frequency: &str) -> f64 {
     view(&world, "s").sample[0]
 }
 
+/// Tones of §1.2.3.
 #[test]
 fn a_band_passes_what_is_in_it_and_a_quarter_an_octave_away() {
     let band = "\nband_hz = [400.0, 800.0]";
