@@ -12,11 +12,11 @@ use serde::ser::{
 use crate::values::ReadingValues;
 
 /// The bytes that a value has on the heap, to some 16 %. An element of a list is seen through a reference, and counts as much besides
-/// its parts: that stands for padding, is too much of bytes and too little of texts. States have few of both.
+/// its parts, unless it is a number: that stands for padding, and is too little of texts, of which states have few.
 pub(crate) fn of<T: Serialize>(value: &T) -> usize {
     let mut heap = 0;
     // No type of a state refuses to be written, as the fingerprint shows.
-    let _ = value.serialize(Place { heap: &mut heap, room: size_of::<T>() });
+    let _ = value.serialize(Place { heap: &mut heap, room: size_of::<T>(), number: None });
     heap
 }
 
@@ -25,6 +25,8 @@ struct Place<'a> {
     heap: &'a mut usize,
     /// The number of bytes of the place.
     room: usize,
+    /// Where the size of a number is noted that is all of it.
+    number: Option<&'a mut usize>,
 }
 
 /// A value of several parts.
@@ -53,16 +55,18 @@ impl<'a> Place<'a> {
     fn value<T: Serialize + ?Sized>(mut self, value: &T) -> Result<(), fmt::Error> {
         let room = size_of_val(value);
         self.has(room);
-        value.serialize(Place { heap: self.heap, room })
+        value.serialize(Place { heap: self.heap, room, number: None })
     }
 }
 
 impl Parts<'_> {
     fn part<T: Serialize + ?Sized>(&mut self, part: &T) -> Result<(), fmt::Error> {
         let room = size_of_val(part);
-        self.bytes += room;
         self.is_of_words = room == size_of::<f64>();
-        part.serialize(Place { heap: self.place.heap, room })
+        let mut size = room;
+        part.serialize(Place { heap: self.place.heap, room, number: Some(&mut size) })?;
+        self.bytes += if self.is_list { size } else { room };
+        Ok(())
     }
 
     fn finish(mut self) {
@@ -86,6 +90,9 @@ macro_rules! plain {
     ($($method:ident: $type:ty),*) => {
         $(fn $method(mut self, _: $type) -> Result<(), fmt::Error> {
             self.has(size_of::<$type>());
+            if let Some(number) = self.number {
+                *number = size_of::<$type>();
+            }
             Ok(())
         })*
     };

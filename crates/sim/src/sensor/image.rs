@@ -32,6 +32,8 @@ pub struct Camera {
     pub mount: Mount,
     /// The field of view, by a ray for each column, evenly spread: for pictures and for what has been seen.
     pub fan: Fan,
+    /// The field of view from left to right, in radians.
+    pub opening_rad: f64,
     /// Pixels in a row.
     pub columns: u16,
     /// Pixels in a column.
@@ -94,8 +96,7 @@ impl Camera {
 
     /// The side of a pixel on a plane at distance 1.
     fn pitch(&self) -> f64 {
-        let half = 0.5 * self.fan.opening_rad();
-        let (sin, cos) = math::sin_cos(half);
+        let (sin, cos) = math::sin_cos(0.5 * self.opening_rad);
         2.0 * sin / cos / f64::from(self.columns)
     }
 
@@ -147,9 +148,10 @@ impl Sense for Camera {
             let problem = format!("{columns} columns and {rows} rows are more than {MAX_PIXELS} pixels");
             return Err(path.field("rows").error(problem));
         }
-        let (fan, range_m) = (Fan::new(sheet.opening_rad.get(), columns.into()), sheet.range_m.get());
+        let (opening_rad, range_m) = (sheet.opening_rad.get(), sheet.range_m.get());
+        let fan = Fan::new(opening_rad, columns.into());
         let Sheet { background, floor, .. } = sheet;
-        let device = Self { mount: fit.mount, fan, columns, rows, range_m, background, floor };
+        let device = Self { mount: fit.mount, fan, opening_rad, columns, rows, range_m, background, floor };
         let encodings = levels(fit.bits, CHANNELS * pixels, 0.0, 1.0);
         Ok(Built::new(device, encodings))
     }

@@ -161,6 +161,8 @@ class _SensorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_SensorKind
     """Strain gauge; force of contacts on a bar on the rim, in N, or the output of its bridge, in mV/V."""
     SENSOR_KIND_IR_BEACONS: _SensorKind.ValueType  # 23
     """Sensor of two spots of infrared light on the ceiling; pose in the arena."""
+    SENSOR_KIND_CAMERA: _SensorKind.ValueType  # 24
+    """Camera; red of all pixels, row by row from the top, each from left to right, then green, then blue."""
 
 class SensorKind(_SensorKind, metaclass=_SensorKindEnumTypeWrapper):
     """Kind of sensor. The names match those of scenario files, where SENSOR_KIND_LINE_CAMERA is `line-camera`."""
@@ -213,6 +215,8 @@ SENSOR_KIND_STRAIN_GAUGE: SensorKind.ValueType  # 22
 """Strain gauge; force of contacts on a bar on the rim, in N, or the output of its bridge, in mV/V."""
 SENSOR_KIND_IR_BEACONS: SensorKind.ValueType  # 23
 """Sensor of two spots of infrared light on the ceiling; pose in the arena."""
+SENSOR_KIND_CAMERA: SensorKind.ValueType  # 24
+"""Camera; red of all pixels, row by row from the top, each from left to right, then green, then blue."""
 Global___SensorKind: _TypeAlias = SensorKind  # noqa: Y015
 
 class _PortFormat:
@@ -586,6 +590,7 @@ class SensorDescription(_message.Message):
     OPENING_RAD_FIELD_NUMBER: _builtins.int
     SWEEP_FIELD_NUMBER: _builtins.int
     COUNTS_PER_M_FIELD_NUMBER: _builtins.int
+    COLUMNS_FIELD_NUMBER: _builtins.int
     sensor: _builtins.str
     """Name of the sensor."""
     kind: Global___SensorKind.ValueType
@@ -604,6 +609,8 @@ class SensorDescription(_message.Message):
     """
     counts_per_m: _builtins.float
     """Counts per metre of motion over the floor. Absent for sensors that do not count it."""
+    columns: _builtins.int
+    """Pixels in a row of a camera's image. Absent for other sensors."""
     @_builtins.property
     def components(self) -> _containers.RepeatedCompositeFieldContainer[Global___ComponentDescription]:
         """Components of a reading, in the order of Reading.values."""
@@ -635,11 +642,14 @@ class SensorDescription(_message.Message):
         opening_rad: _builtins.float | None = ...,
         sweep: Global___Sweep | None = ...,
         counts_per_m: _builtins.float | None = ...,
+        columns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_counts_per_m", b"_counts_per_m", "_counts_per_turn", b"_counts_per_turn", "_mount", b"_mount", "_opening_rad", b"_opening_rad", "_port", b"_port", "_range_m", b"_range_m", "_sweep", b"_sweep", "counts_per_m", b"counts_per_m", "counts_per_turn", b"counts_per_turn", "mount", b"mount", "opening_rad", b"opening_rad", "port", b"port", "range_m", b"range_m", "sweep", b"sweep"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_columns", b"_columns", "_counts_per_m", b"_counts_per_m", "_counts_per_turn", b"_counts_per_turn", "_mount", b"_mount", "_opening_rad", b"_opening_rad", "_port", b"_port", "_range_m", b"_range_m", "_sweep", b"_sweep", "columns", b"columns", "counts_per_m", b"counts_per_m", "counts_per_turn", b"counts_per_turn", "mount", b"mount", "opening_rad", b"opening_rad", "port", b"port", "range_m", b"range_m", "sweep", b"sweep"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_counts_per_m", b"_counts_per_m", "_counts_per_turn", b"_counts_per_turn", "_mount", b"_mount", "_opening_rad", b"_opening_rad", "_port", b"_port", "_range_m", b"_range_m", "_sweep", b"_sweep", "components", b"components", "counts_per_m", b"counts_per_m", "counts_per_turn", b"counts_per_turn", "kind", b"kind", "mount", b"mount", "opening_rad", b"opening_rad", "period_ns", b"period_ns", "phase_ns", b"phase_ns", "port", b"port", "range_m", b"range_m", "sensor", b"sensor", "sweep", b"sweep"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_columns", b"_columns", "_counts_per_m", b"_counts_per_m", "_counts_per_turn", b"_counts_per_turn", "_mount", b"_mount", "_opening_rad", b"_opening_rad", "_port", b"_port", "_range_m", b"_range_m", "_sweep", b"_sweep", "columns", b"columns", "components", b"components", "counts_per_m", b"counts_per_m", "counts_per_turn", b"counts_per_turn", "kind", b"kind", "mount", b"mount", "opening_rad", b"opening_rad", "period_ns", b"period_ns", "phase_ns", b"phase_ns", "port", b"port", "range_m", b"range_m", "sensor", b"sensor", "sweep", b"sweep"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__columns: _TypeAlias = _typing.Literal["columns"]  # noqa: Y015
+    _WhichOneofArgType__columns: _TypeAlias = _typing.Literal["_columns", b"_columns"]  # noqa: Y015
     _WhichOneofReturnType__counts_per_m: _TypeAlias = _typing.Literal["counts_per_m"]  # noqa: Y015
     _WhichOneofArgType__counts_per_m: _TypeAlias = _typing.Literal["_counts_per_m", b"_counts_per_m"]  # noqa: Y015
     _WhichOneofReturnType__counts_per_turn: _TypeAlias = _typing.Literal["counts_per_turn"]  # noqa: Y015
@@ -654,6 +664,8 @@ class SensorDescription(_message.Message):
     _WhichOneofArgType__range_m: _TypeAlias = _typing.Literal["_range_m", b"_range_m"]  # noqa: Y015
     _WhichOneofReturnType__sweep: _TypeAlias = _typing.Literal["sweep"]  # noqa: Y015
     _WhichOneofArgType__sweep: _TypeAlias = _typing.Literal["_sweep", b"_sweep"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__columns) -> _WhichOneofReturnType__columns | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__counts_per_m) -> _WhichOneofReturnType__counts_per_m | None: ...
     @_typing.overload
