@@ -80,12 +80,12 @@ kinds! {
         Battery = "battery",
         /// The distance that the sensor moved over the floor since its last read, in counts.
         OpticalFlow = "optical-flow",
-        /// An image.
-        Camera = "camera",
         /// The force of contacts on a bar on the rim, in N, or what a bridge of strain gauges tells of it, in mV/V.
         StrainGauge = "strain-gauge",
         /// Pose in the arena, by two spots of infra-red light on the ceiling.
         IrBeacons = "ir-beacons",
+        /// An image.
+        Camera = "camera",
     }
 }
 

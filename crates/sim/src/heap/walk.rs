@@ -267,11 +267,11 @@ mod tests {
         assert_eq!(of(&owner), 24);
         owner.boxed = Some(Box::new((1, 2, 3)));
         assert_eq!(of(&owner), 24 + 24);
-        // An element is seen through a reference: of one that is a text the pointer is counted, and no length or capacity.
+        // An element is seen through a reference: of one that is a text the pointer is counted, and no length or capacity; of a number, itself.
         owner.texts = vec!["abc".into(), String::new(), String::new()];
         assert_eq!(of(&owner), 48 + 3 + 3 * size_of::<&String>());
         owner.last = [1, 2, 3].into();
-        assert_eq!(of(&owner), 48 + 3 + 3 * size_of::<&String>() + 3 * size_of::<&u32>());
+        assert_eq!(of(&owner), 48 + 3 + 3 * size_of::<&String>() + 3 * size_of::<u32>());
         let (small, array) = (owner.small, owner.array);
         assert_eq!((small, array), (1, [0; 9]));
     }
