@@ -29,14 +29,13 @@ class Windings(unittest.TestCase):
     MASS, RADIUS, DAMPING, ROTOR, VOLTAGE = 3.0, 0.1, 2.0, 2e-5, 6.0
 
     def rates(self, speed, current):
-        """(1.1) and (1.7), where the inertia that each shaft turns is the rotor's and that of half the body."""
+        """(1.1) and (1.7), with the body's motion by (2.31), where the rotors' inertia is a part of the wheels' in (2.26)."""
         omega = self.G * speed / self.RADIUS
         torque = self.C_T * current
         friction = self.C_V * omega + min(self.C_C, torque) if omega < 1e-6 else self.C_V * omega + self.C_C
-        body = self.MASS / 2 * (self.RADIUS / self.G) ** 2
-        damping = self.DAMPING / 2 * speed * self.RADIUS / self.G
-        acceleration = (torque - friction - damping) / (self.ROTOR + body)
-        return acceleration * self.RADIUS / self.G, (self.VOLTAGE - self.R * current - self.C_E * omega) / self.L
+        gain = 1 / (self.RADIUS * (1 + 2 * self.G**2 * self.ROTOR / (self.MASS * self.RADIUS**2)))
+        acceleration = (2 * gain * self.G * (torque - friction) - self.DAMPING * speed) / self.MASS
+        return acceleration, (self.VOLTAGE - self.R * current - self.C_E * omega) / self.L
 
     def solved(self, seconds, step):
         """Speed and current after so long from rest: the midpoint rule, implicit, as for stiff equations, from when friction is overcome."""
