@@ -5,11 +5,14 @@ use baudbot_client::Body;
 
 use crate::args::{ExportBrainArgs, ExportLanguage};
 use crate::error::Refused;
+use crate::output_files::Inputs;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text;
 
 pub(crate) fn export_brain(args: &ExportBrainArgs) -> anyhow::Result<()> {
+    let inputs = Inputs::of(&args.scenario, &args.changes).brains(std::slice::from_ref(&args.brain));
+    inputs.check([("--out", args.out.as_path())].into_iter())?;
     let scenario = Source::find(&args.scenario)?.parse(&overrides(&args.changes)?)?;
     let named = |name: &String| scenario.robots.iter().find(|robot| robot.name == *name);
     let robot = args.robot.as_ref().map_or_else(|| scenario.robots.first(), named);

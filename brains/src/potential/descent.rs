@@ -57,7 +57,7 @@ impl Descent {
 
     /// Length of the path, in metres.
     pub fn length_m(&self) -> f64 {
-        self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+        self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, |sum, step_m| sum + step_m)
     }
 }
 

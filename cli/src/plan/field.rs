@@ -76,6 +76,7 @@ fn route(parameters: &Parameters, descent: &Descent, arena: &Arena, notes: Vec<S
 /// The field of a brain: that of its first behaviour which has one.
 fn parameters(brain: &str) -> anyhow::Result<Parameters> {
     let refused = |problem: String| Refused::error(format!("--field {brain}: {problem}"));
+    catalogue::check(brain).map_err(|error| refused(error.to_string()))?;
     let toml = catalogue::described(brain).map_err(|error| refused(error.to_string()))?;
     let toml =
         toml.ok_or_else(|| refused("the brain is written in Rust; a field is described in TOML".into()))?;

@@ -78,6 +78,11 @@ pub(super) fn of_file<'a>(
     let nodes = read.nodes.iter().map(|node| Point::new(node.x_m, node.y_m)).collect();
     let graph = NodeGraph::new(nodes, read.edges).map_err(|error| refused(in_file(&error)))?;
     let (start, target) = (graph.nearest(from), graph.nearest(to));
+    if start == target && from != to {
+        return Err(refused(format!(
+            "node {start} is the nearest to both ends; give the graph nodes near them"
+        )));
+    }
     Ok(GraphTask { args, graph, drawn: None, start, target })
 }
 

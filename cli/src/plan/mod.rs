@@ -30,7 +30,7 @@ use crate::text::{self, pairs};
 
 pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let svg = args.svg.iter().map(|path| ("--svg", path.as_path()));
-    let inputs = Inputs::of(&args.scenario, &args.changes);
+    let inputs = Inputs::of(&args.scenario, &args.changes).brains(args.field.as_slice());
     args.graph.iter().fold(inputs, |all, path| all.file("graph", path)).check(svg)?;
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;

@@ -49,6 +49,7 @@ fn no_output_goes_over_the_scenario() {
         ("run w.toml --seconds 1", "--timeline"),
         ("run w.toml --seconds 1", "--record"),
         ("plan w.toml --to 1,1", "--svg"),
+        ("export-brain avoid --lang c --scenario w.toml", "--out"),
         ("budget w.toml", "--svg"),
         ("diagram w.toml", "--svg"),
         ("diagram w.toml", "--csv"),
@@ -62,6 +63,8 @@ fn no_output_goes_over_an_exercise_a_brain_or_a_program() {
     is_spared("grade my.toml --brain avoid --junit my.toml", "--junit", ("exercise", "my.toml"));
     is_spared("grade stop --brain brain.toml --junit brain.toml", "--junit", ("brain", "brain.toml"));
     is_spared("run w.toml --brain robot=brain.toml:a.b=1 --csv brain.toml", "--csv", ("brain", "brain.toml"));
+    is_spared("export-brain brain.toml --lang c --out brain.toml", "--out", ("brain", "brain.toml"));
+    is_spared("plan w.toml --field brain.toml --svg brain.toml", "--svg", ("brain", "brain.toml"));
     let program = ("firmware", "firmware/wander.hex");
     is_spared("run firmware.toml --serial robot=firmware/wander.hex", "--serial", program);
     is_spared("run firmware --firmware robot=X.hex --vcd robot=X.hex", "--vcd", ("firmware", "X.hex"));

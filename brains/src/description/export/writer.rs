@@ -102,10 +102,10 @@ pub(super) fn c(number: f64) -> impl Display {
     format!("{number:?}")
 }
 
-/// A name as it may stand in a comment.
-pub(super) fn plain(name: &str) -> String {
-    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || " _.-/<>=".contains(letter);
-    name.chars().map(|letter| if is_plain(letter) { letter } else { '?' }).collect()
+/// A text as it may stand in a comment: printable, and without what ends one, continues a line, or is a trigraph.
+pub(super) fn plain(text: &str) -> String {
+    let is_plain = |letter: char| (letter.is_ascii_graphic() || letter == ' ') && !"*\\?".contains(letter);
+    text.chars().map(|letter| if is_plain(letter) { letter } else { '_' }).collect()
 }
 
 const NUMBERS_A_LINE: usize = 6;

@@ -25,7 +25,7 @@ pub(super) fn read(bytes: &[u8]) -> Meaning {
             let mut meaning = Meaning::of(format_args!("image #{}: {columns}, {rows}", image.sequence));
             match nearest {
                 Some(depth_mm) => meaning.add(format_args!(", nearest at {depth_mm} mm")),
-                None => meaning.add(", nothing within range"),
+                None => meaning.add(", no depths"),
             }
             meaning.add(", CRC right");
             meaning

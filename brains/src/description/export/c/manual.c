@@ -16,7 +16,8 @@
 
    Readings, in SI units:
 {readings}
-   Commands: signals of the motors {limit}; 1 is forwards at full voltage, at full speed, or with the longest pulse of a servo.
+   Commands: signals of the motors {limit}; 1 is forwards at full voltage or full speed. Of two servos
+   for wheels one is mounted the other way round: its pulse is that of the negative signal.
    A robot stands still at signals of 0.
 
    Turns may come at any rate; where the brain has probabilities per step, it was made for the rate at which it was tried. Random
