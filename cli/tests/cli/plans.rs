@@ -159,7 +159,7 @@ fn what_is_no_graph_is_refused_with_its_field() {
         let file = path.to_str().unwrap();
         let (code, out, err) = baudbot(&[&["plan", WALL, "--to", "17,10", "--graph", file], more].concat());
         assert_eq!((code, out.as_str()), (2, ""), "{err}");
-        err.strip_prefix(&format!("error: {file}: ")).map_or(err.clone(), str::to_owned)
+        err.strip_prefix(&format!("error: {file}: ")).map_or_else(|| err.clone(), str::to_owned)
     };
     assert_eq!(refusal("nodes = [{ x_m = 1 }]", &[]), "nodes[0]: missing field `y_m`\n");
     assert_eq!(refusal("nodes = []", &[]), "nodes: a graph has 1 to 1048576 nodes, not 0\n");

@@ -111,7 +111,7 @@ fn answers(program: &Path, turns: &[Turn]) -> Vec<[f64; 2]> {
         bytes.extend(turn.at_ns.to_ne_bytes());
         for (sensor, reading) in turn.body.sensors.iter().zip(&turn.readings) {
             let values =
-                reading.as_ref().map_or(vec![0.0; sensor.values()], |reading| reading.values.clone());
+                reading.as_ref().map_or_else(|| vec![0.0; sensor.values()], |reading| reading.values.clone());
             bytes.extend(values.iter().flat_map(|value| value.to_ne_bytes()));
         }
         let is_new = |reading: &Option<Reading>| reading.as_ref().is_some_and(|reading| reading.readable);

@@ -112,8 +112,8 @@ impl Load {
     /// what does not depend on them. Of wheels in one phase, sum and difference do not touch each other, to the bit.
     fn rates(&self, motor: &DcMotor, phases: [Phase; 2], voltages_v: [f64; 2]) -> Matrix {
         let mut rates = [[0.0; SIZE]; SIZE];
-        for mode in 0..2 {
-            rates[mode][mode] -= self.losses[mode];
+        for (mode, loss) in self.losses.into_iter().enumerate() {
+            rates[mode][mode] -= loss;
         }
         for (side, phase) in phases.into_iter().enumerate() {
             // The shaft's speed by forward speed and turn rate, and what comes to that by sliding.

@@ -88,9 +88,10 @@ mod tests {
             [[4.0, 1.0, 0.5, 2.0], [1.0, 5.0, -1.0, 0.3], [0.5, -1.0, 6.0, 1.0], [2.0, 0.3, 1.0, 7.0]];
         let mut inverse = matrix;
         invert(&mut inverse);
-        for i in 0..4 {
-            for j in 0..4 {
-                let sum: f64 = (0..4).map(|k| matrix[i][k] * inverse[k][j]).sum();
+        for (i, row) in matrix.iter().enumerate() {
+            let columns = [0, 1, 2, 3].map(|j| inverse.map(|row: [f64; 4]| row[j]));
+            for (j, column) in columns.iter().enumerate() {
+                let sum: f64 = row.iter().zip(column).map(|(a, b)| a * b).sum();
                 assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j}: {sum}");
             }
         }
