@@ -72,7 +72,7 @@ pub(crate) struct Sheet {
     /// Number of directions, from the robot's centre, in which the bar feels.
     #[serde(default = "Rays::constant::<9>")]
     rays: Rays,
-    /// Distance from the rim within which something presses the bar, as that of a [bumper](#kind--bumper-a-bar-that-feels).
+    /// Distance from the rim within which something presses the bar, as that of a [bumper](#kind--bumper-a-bar-on-the-rim).
     #[serde(default = "travel_m")]
     travel_m: Number<Length>,
     /// Largest force that it can tell.
