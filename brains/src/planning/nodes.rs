@@ -9,6 +9,8 @@
 //! Deviations: edges can be followed in both directions, which the notes leave open. [`Heuristic::Octile`] and
 //! [`Heuristic::Manhattan`] estimate too much where edges have any direction, so that A\* may miss the shortest path with them.
 
+use std::collections::BTreeSet;
+
 use baudbot_geometry::Point;
 use thiserror::Error;
 
@@ -70,6 +72,12 @@ pub enum NodeGraphError {
         /// Its node.
         node: usize,
     },
+    /// An edge that stands twice.
+    #[error("edge {edge} joins the same nodes as an edge before it")]
+    Twice {
+        /// The second of the edges, from 0.
+        edge: usize,
+    },
 }
 
 /// A path over nodes, and the nodes that the search examined.
@@ -121,7 +129,7 @@ impl NodeGraph {
     /// A graph of nodes and edges, each edge as the numbers of its nodes.
     ///
     /// # Errors
-    /// If there is no node or too many, a place is not finite, or an edge has not two nodes that are there.
+    /// If there is no node or too many, a place is not finite, or an edge has not two nodes that are there, or stands twice.
     pub fn new(nodes: Vec<Point>, edges: Vec<[usize; 2]>) -> Result<Self, NodeGraphError> {
         if !(1..=Self::MOST_NODES).contains(&nodes.len()) {
             return Err(NodeGraphError::Size { most: Self::MOST_NODES, nodes: nodes.len() });
@@ -129,13 +137,16 @@ impl NodeGraph {
         if let Some(node) = nodes.iter().position(|place| !(place.x.is_finite() && place.y.is_finite())) {
             return Err(NodeGraphError::Place { node });
         }
-        let mut neighbours = vec![Vec::new(); nodes.len()];
+        let (mut neighbours, mut joined) = (vec![Vec::new(); nodes.len()], BTreeSet::new());
         for (edge, &[a, b]) in edges.iter().enumerate() {
             if let Some(&node) = [a, b].iter().find(|node| **node >= nodes.len()) {
                 return Err(NodeGraphError::NoNode { edge, node, nodes: nodes.len() });
             }
             if a == b {
                 return Err(NodeGraphError::Loop { edge, node: a });
+            }
+            if !joined.insert([a.min(b), a.max(b)]) {
+                return Err(NodeGraphError::Twice { edge });
             }
             let length_m = Heuristic::Euclidean.between(nodes[a], nodes[b]);
             neighbours[a].push((b, length_m));
@@ -348,6 +359,8 @@ mod tests {
             "edge 1 leads to node 2; there are 2 nodes, counted from 0"
         );
         assert_eq!(text(&[0.0, 1.0], vec![[1, 1]]), "edge 0 leads from node 1 to itself");
+        let twice = "edge 1 joins the same nodes as an edge before it";
+        assert_eq!(text(&[0.0, 1.0], vec![[0, 1], [1, 0]]), twice);
         let graph = NodeGraph::new(vec![place(0.0), place(1.0)], vec![]).unwrap();
         let error = |start, target| graph.dijkstra(start, target).unwrap_err().to_string();
         assert_eq!(error(0, 1), "no path leads from node 0 to node 1");

@@ -97,6 +97,9 @@ fn in_file(error: &NodeGraphError) -> String {
         NodeGraphError::Loop { edge, node } => {
             format!("edges[{edge}]: leads from node {node} to itself; give it another end, or leave it out")
         }
+        NodeGraphError::Twice { edge } => {
+            format!("edges[{edge}]: joins the same nodes as an edge before it; leave it out")
+        }
         NodeGraphError::Spacing { .. } => error.to_string(),
     }
 }

@@ -325,17 +325,6 @@ impl Drive {
         power(signals.left, wheels.left) + power(signals.right, wheels.right)
     }
 
-    /// The same with currents, in A, in their windings.
-    pub(crate) fn power_of_currents_w(&self, currents_a: &Wheels, signals: Wheels) -> f64 {
-        match &self.motor {
-            Motors::Dc(motor) => {
-                motor.power_of_current_w(signals.left, currents_a.left)
-                    + motor.power_of_current_w(signals.right, currents_a.right)
-            }
-            Motors::Velocity(_) | Motors::Servo(_) | Motors::Stepper(_) => 0.0,
-        }
-    }
-
     /// The mass, in kg, that a force along the heading accelerates: that of the body, and what turning the wheels adds to it, so that a robot
     /// which is held pushes with the torques of its wheels over their radius.
     pub(crate) fn moved_mass_kg(&self) -> f64 {

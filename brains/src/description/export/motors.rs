@@ -21,9 +21,24 @@ use crate::parameter::{Parameter, ParameterError};
 use crate::throttle::within;
 use crate::{constant, wander};
 
+/// The writer of a behaviour's function.
+type Write = fn(&Exported<'_>, &mut Writer, &Robot<'_>) -> Result<Activation, ParameterError>;
+
 /// The kinds that are exported.
-pub(super) const KINDS: &[&str] =
-    &["avoid", "constant", "fixed_action", "follow_wall", "taxis", "turn_away", "wander"];
+const KINDS: [(&str, Write); 7] = [
+    ("avoid", |motor, writer, robot| motor.avoid(writer, robot)),
+    ("constant", |motor, writer, robot| motor.constant(writer, robot)),
+    ("fixed_action", |motor, writer, _| motor.fixed_action(writer)),
+    ("follow_wall", |motor, writer, robot| motor.follow_wall(writer, robot)),
+    ("taxis", |motor, writer, robot| motor.taxis(writer, robot)),
+    ("turn_away", |motor, writer, robot| motor.turn_away(writer, robot)),
+    ("wander", |motor, writer, robot| motor.wander(writer, robot)),
+];
+
+/// The names of the kinds that are exported.
+pub(super) fn kinds() -> [&'static str; KINDS.len()] {
+    KINDS.map(|(kind, _)| kind)
+}
 
 /// The statements when a behaviour is entered, and when it is left.
 #[derive(Default)]
@@ -40,14 +55,19 @@ pub(super) struct Exported<'a> {
 }
 
 impl Exported<'_> {
-    /// The error if this kind is not exported.
-    pub(super) fn check(&self) -> Result<(), DescriptionError> {
+    /// The writer of this kind, or the error if it is not exported.
+    fn writer(&self) -> Result<Write, DescriptionError> {
         let kind = self.process.kind.as_str();
-        if KINDS.contains(&kind) {
-            return Ok(());
-        }
-        let problem = format!("`{kind}` cannot be exported; these can: {}", KINDS.join(", "));
-        Err(DescriptionError::new(format!("motor.{}.kind", self.name), problem))
+        let known = KINDS.iter().find(|(known, _)| *known == kind);
+        known.map(|(_, write)| *write).ok_or_else(|| {
+            let problem = format!("`{kind}` cannot be exported; these can: {}", kinds().join(", "));
+            DescriptionError::new(format!("motor.{}.kind", self.name), problem)
+        })
+    }
+
+    /// Whether this kind is exported.
+    pub(super) fn check(&self) -> Result<(), DescriptionError> {
+        self.writer().map(drop)
     }
 
     /// The function `brain_motor_PLACE`.
@@ -56,16 +76,7 @@ impl Exported<'_> {
         writer: &mut Writer,
         robot: &Robot<'_>,
     ) -> Result<Activation, DescriptionError> {
-        let written = match self.process.kind.as_str() {
-            "constant" => self.constant(writer, robot),
-            "wander" => self.wander(writer, robot),
-            "avoid" => self.avoid(writer, robot),
-            "fixed_action" => self.fixed_action(writer),
-            "follow_wall" => self.follow_wall(writer, robot),
-            "taxis" => self.taxis(writer, robot),
-            "turn_away" => self.turn_away(writer, robot),
-            _ => return self.check().map(|()| Activation::default()),
-        };
+        let written = self.writer()?(self, writer, robot);
         let path = || format!("motor.{}.parameters", self.name);
         written.map_err(|problem| DescriptionError::new(path(), problem.to_string()))
     }

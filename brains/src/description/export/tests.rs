@@ -192,7 +192,7 @@ impl Descriptions {
 
     fn motor(&mut self, name: &str) -> String {
         let [x, y, z] = [0; 3].map(|_| self.number(-0.9, 0.9));
-        let kind = self.one_of(super::motors::KINDS);
+        let kind = self.one_of(&super::motors::kinds());
         let parameters = match kind {
             "constant" => format!("left = {x:?}, right = {:?}", 2.0 * y),
             "fixed_action" => format!("motions = [[{x:?}, {y:?}, 0.2], [{y:?}, {z:?}, 0.07]]"),

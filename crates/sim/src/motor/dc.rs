@@ -38,7 +38,7 @@ pub struct DcMotor {
     #[serde(with = "Number::<UpTo<1>>")]
     pub gear_efficiency: f64,
     /// Inductance L of Eq. (1.1). With 0 the current follows the voltage at once, as in (1.8). Range: 0 for motors
-    /// at the bridge of a chip; otherwise whatever changes the current in no less than 10^-8 steps.
+    /// at the bridge of a chip.
     #[serde(with = "Number::<NotNegative>")]
     pub inductance_h: f64,
     /// Moment of inertia I of Eq. (1.5) of the rotor alone. With 0 it is neglected, as in (1.9).

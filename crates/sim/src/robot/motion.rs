@@ -50,10 +50,13 @@ impl Robot {
     fn feed(&mut self, spec: &RobotSpec, scenario: &Scenario, signals: Option<Wheels>, dt: f64) {
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.parts.battery) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
-            let motors_w = match (signals, &self.parts.currents_a) {
-                (None, _) => 0.0,
-                (Some(signals), None) => spec.drive.power_w(&self.motion, signals),
-                (Some(signals), Some(currents_a)) => spec.drive.power_of_currents_w(currents_a, signals),
+            let motors_w = match (signals, &self.parts.currents_a, &spec.drive.motor) {
+                (None, _, _) => 0.0,
+                (Some(signals), Some(currents_a), Motors::Dc(motor)) => {
+                    motor.power_of_current_w(signals.left, currents_a.left)
+                        + motor.power_of_current_w(signals.right, currents_a.right)
+                }
+                (Some(signals), _, _) => spec.drive.power_w(&self.motion, signals),
             };
             state.draw(battery, battery.idle_w + motors_w, dt);
             if charger_w > 0.0 {

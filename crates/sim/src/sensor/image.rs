@@ -7,7 +7,7 @@
 //! a lower one, or the floor: exactly, without a grid.
 //!
 //! Deviations. The notes name cameras and give no model. There are no lens, no exposure and no light: colours are those of the
-//! scenario, and a pixel is what its centre sees. The floor is of one colour, and fades into the background at the range. Lamps
+//! scenario, and a pixel is what its centre sees. The floor is of one colour, and ends at the range. Lamps
 //! have no body, so that they are not seen. The robot itself is not in its image.
 
 use alloc::format;
