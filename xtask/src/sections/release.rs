@@ -5,8 +5,14 @@ use crate::shell::{Failure, Shell};
 
 /// Optimisation could change numbers, and the order of simultaneous events.
 pub(super) fn optimised(shell: &Shell) -> Result<(), Failure> {
-    let packages = ["geometry", "wire", "avr", "sim", "scenario", "budget", "tests"]
-        .map(|name| format!("baudbot-{name}"));
+    let packages = [
+        "baudbot-geometry",
+        "baudbot-wire",
+        "baudbot-avr",
+        "baudbot-sim",
+        "baudbot-scenario",
+        "baudbot-tests",
+    ];
     let packages = packages.iter().flat_map(|package| ["-p", package]);
     shell.run(shell.cargo(
         ["test", "--quiet", "--release", "--no-fail-fast", "--lib", "--tests"].into_iter().chain(packages),
@@ -110,4 +116,41 @@ pub(super) fn script(shell: &Shell, file: &str, arguments: &[String]) -> Result<
     // They have their folders below the root's own target.
     command.args(arguments).env_remove("CARGO_TARGET_DIR");
     shell.run(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+    use std::process::Command;
+
+    fn words(text: &str) -> impl Iterator<Item = &str> {
+        let is_name = |word: &&str| {
+            word.strip_prefix("baudbot-").is_some_and(|rest| {
+                !rest.is_empty() && rest.bytes().all(|c| c == b'-' || c.is_ascii_lowercase())
+            })
+        };
+        text.split('"').filter(is_name)
+    }
+
+    /// A release check that names a package which is merged into another fails months later.
+    #[test]
+    fn each_package_that_a_section_names_is_one_of_the_workspace() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let cargo = Command::new("cargo")
+            .args(["metadata", "--locked", "--offline", "--no-deps", "--format-version", "1"])
+            .current_dir(&root)
+            .output()
+            .unwrap();
+        let metadata = String::from_utf8(cargo.stdout).unwrap();
+        let known: BTreeSet<_> = words(&metadata).collect();
+        assert!(known.contains("baudbot-sim"), "{known:?}");
+        let files = std::fs::read_dir(root.join("xtask/src/sections")).unwrap();
+        let texts: Vec<_> =
+            files.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
+        let named: BTreeSet<_> = texts.iter().flat_map(|text| words(text)).collect();
+        assert!(named.contains("baudbot-tests"), "{named:?}");
+        let unknown: Vec<_> = named.difference(&known).collect();
+        assert!(unknown.is_empty(), "no package of the workspace: {unknown:?}");
+    }
 }
