@@ -9,7 +9,7 @@ use crate::pace::Pace;
 pub(crate) struct CommandThrottle {
     /// A greater signal is refused.
     limit: Option<f64>,
-    sent: Option<Signals>,
+    sent: Option<(Signals, Vec<f64>)>,
     pace: Pace,
 }
 
@@ -20,14 +20,20 @@ impl CommandThrottle {
 
     /// The action of a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
+        self.send_with(turn, signals, &[])
+    }
+
+    /// The same with signals for the actuators besides the wheels, as [`Action::others`].
+    pub(crate) fn send_with(&mut self, turn: &Turn, signals: Signals, others: &[f64]) -> Action {
         let signals = within(self.limit, signals);
         self.pace.hear(turn);
-        if !self.pace.sends(turn.at_ns, self.sent != Some(signals)) {
+        let is_new = self.sent.as_ref().is_none_or(|(sent, with)| *sent != signals || with != others);
+        if !self.pace.sends(turn.at_ns, is_new) {
             return Action::wait();
         }
         self.pace.sent(turn.at_ns);
-        self.sent = Some(signals);
-        Action::drive(signals.left, signals.right)
+        self.sent = Some((signals, others.to_vec()));
+        Action::drive(signals.left, signals.right).with_others(others.to_vec())
     }
 
     /// The action of a turn in which nothing is known yet that signals could follow from: a firmware that answers

@@ -1,5 +1,7 @@
 //! Animals of the notes as robots with a cable.
 
+use baudbot_run::assignment::Assignment;
+use baudbot_sim::World;
 use baudbot_tests::{InProcess, scenario};
 
 const ECOLI: &str = include_str!("../../catalogue/scenarios/ecoli.toml");
@@ -194,4 +196,100 @@ fn two_ways_round_a_pillar_lead_straight_to_it() {
         let (x, y, collisions) = ending(brain);
         assert!(x > 1.4 && collisions == 0, "{brain}: {x}, {y}, {collisions} collisions");
     }
+}
+
+/// The world at the end of a scenario whose robots have brains of their own.
+fn run_of(toml: &str, sets: &[&str], brains: &[(&str, &str)]) -> World {
+    let of = |&(robot, brain): &(&str, &str)| Assignment {
+        brain: brain.to_owned(),
+        robots: vec![robot.to_owned()],
+    };
+    let assignments: Vec<_> = brains.iter().map(of).collect();
+    baudbot_run::in_process::run(scenario(toml, sets), &assignments).unwrap()
+}
+
+const MOTH: &str = include_str!("../../catalogue/scenarios/moth.toml");
+
+/// Of twelve directions, the number in which a moth with this brain survives a bat for half a minute.
+fn surviving_moths(brain: &str) -> usize {
+    let survives = |i: &u32| {
+        let heading_rad = std::f64::consts::PI * (f64::from(*i) / 6.0 - 1.0);
+        let heading = format!("robots.moth.start.heading_rad={heading_rad}");
+        let world = run_of(MOTH, &[&heading], &[("bat", "bat"), ("moth", brain)]);
+        world.robots().all(|robot| robot.counters().collisions == 0)
+    };
+    (0..12).filter(survives).count()
+}
+
+/// §5.1, the moth and the bat: two ears and two thresholds save it more often than not, and straight flight does not.
+#[test]
+fn a_moth_with_two_thresholds_survives_a_bat_and_a_deaf_one_does_not() {
+    let (hearing, deaf) = (surviving_moths("moth"), surviving_moths("constant:left=0.4,right=0.4"));
+    assert!(hearing >= 9 && deaf == 0, "{hearing} and {deaf} of 12");
+}
+
+const XANTHUS: &str = include_str!("../../catalogue/scenarios/xanthus.toml");
+
+/// Of six cells, the number that come to touch their predator.
+fn eaten(predator: &str) -> usize {
+    let is_eaten = |seed: &u32| {
+        let world = run_of(XANTHUS, &[&format!("seed={seed}")], &[("predator", predator), ("cell", "ecoli")]);
+        // The predator is far from the walls.
+        world.robot(1).counters().collisions > 0
+    };
+    (1..=6).filter(is_eaten).count()
+}
+
+/// §4.4.2, *M. xanthus*: prey that is 80 times as fast comes by itself, and without the lure it does not.
+#[test]
+fn a_slow_predator_eats_quick_prey_by_a_scent() {
+    let (lured, not_lured) = (eaten("xanthus"), eaten("xanthus:actuators.gland.bias=0"));
+    assert!(lured >= 4 && not_lured == 0, "{lured} and {not_lured} of 6");
+}
+
+const LANTERN: &str = include_str!("../../catalogue/scenarios/lantern.toml");
+
+/// §4.4.2, homing by light to a charger: phototaxis keeps the battery alive, and without it the robot runs empty.
+#[test]
+fn a_robot_finds_its_charger_by_the_lamp_over_it() {
+    let ends_with = |gain: f64| {
+        let brain = format!("lantern:motor.go_home.parameters.gain={gain}");
+        let sets = ["robots.robot.battery.capacity_mah=30", "end.after_s=900"];
+        run_of(LANTERN, &sets, &[("robot", &brain)]).ending().unwrap().to_string()
+    };
+    assert_eq!(ends_with(1.0), "the scenario's time is over");
+    assert_eq!(ends_with(0.0), "the battery of `robot` is empty");
+}
+
+const TRAIL: &str = include_str!("../../catalogue/scenarios/devices/trail.toml");
+
+/// §4.4.2, pheromone trails: an ant with two antennae follows what another has laid; one that does not compare them loses it.
+#[test]
+fn a_robot_follows_the_trail_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    let comments: Vec<_> = TRAIL.lines().filter_map(|line| line.strip_prefix("#     ")).collect();
+    let [lays, follows] = ["[motor.circle]", "[motor.follow]"].map(|first| {
+        let from = comments.iter().position(|line| *line == first).unwrap();
+        let lines = comments[from..].iter().take_while(|line| {
+            !line.starts_with("baudbot") && (**line == first || !line.starts_with("[motor"))
+        });
+        lines.copied().collect::<Vec<_>>().join("\n")
+    });
+    let (laying, following) = (file("laying.toml", &lays), file("following.toml", &follows));
+    let blind = file("blind.toml", &follows.replace("gain = 1.0", "gain = 0.0"));
+    // The circle of alice: a radius of (0.23 / 0.06) of half the track, to the left of her start.
+    let off_m = |brain: &str| {
+        let world = run_of(TRAIL, &[], &[("alice", &laying), ("bob", brain)]);
+        let half_track_m = world.scenario().robots[0].drive.half_track_m;
+        let radius_m = half_track_m * 0.46 / 0.06;
+        let at = world.robot(1).motion().pose.position;
+        (at.x.hypot(at.y - radius_m) - radius_m).abs()
+    };
+    let (by_antennae_m, blindly_m) = (off_m(&following), off_m(&blind));
+    assert!(by_antennae_m < 0.1 && blindly_m > 1.0, "{by_antennae_m} {blindly_m}");
 }

@@ -36,6 +36,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("four-pillars", "four-pillars", false),
     home!("goose", "nest", false),
     home!("hall", "hall", false),
+    home!("lantern", "lantern", true),
     home!("larva", "ecoli-one", true),
     home!("lobby", "lobby", false),
     home!("mower", "mower", false),
@@ -53,7 +54,11 @@ pub(crate) const HOMES: &[Home] = &[
 ];
 
 /// Brains of the catalogue without a home, each with the reason.
-const LEFT_OUT: &[(&str, &str)] = &[];
+const LEFT_OUT: &[(&str, &str)] = &[
+    ("bat", "its robots have different brains, and different bodies"),
+    ("moth", "its robots have different brains, and different bodies"),
+    ("xanthus", "its robots have different brains, and different bodies"),
+];
 
 /// The part of the foretold exchanges that is reached, if it is less than nine tenths.
 const FEWER: &[(&str, Mode, &str, f64)] = &[

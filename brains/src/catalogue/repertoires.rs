@@ -23,12 +23,15 @@ const PLACING: &[&str] = &["explore", "laser_localization", "particle_localizati
 
 /// The repertoires that are part of the program.
 const BUILT_IN: &[(&str, &str)] = &[
+    ("bat", include_str!("../../repertoires/bat.toml")),
     ("forager", include_str!("../../repertoires/forager.toml")),
     ("errands", include_str!("../../repertoires/errands.toml")),
     ("four-pillars", include_str!("../../repertoires/four-pillars.toml")),
     ("goose", include_str!("../../repertoires/goose.toml")),
     ("hall", include_str!("../../repertoires/hall.toml")),
+    ("lantern", include_str!("../../repertoires/lantern.toml")),
     ("lobby", include_str!("../../repertoires/lobby.toml")),
+    ("moth", include_str!("../../repertoires/moth.toml")),
     ("mower", include_str!("../../repertoires/mower.toml")),
     ("patient", include_str!("../../repertoires/patient.toml")),
     ("pillar", include_str!("../../repertoires/pillar.toml")),
@@ -36,6 +39,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("tour", include_str!("../../repertoires/tour.toml")),
     ("waterhole", include_str!("../../repertoires/waterhole.toml")),
     ("wedge", include_str!("../../repertoires/wedge.toml")),
+    ("xanthus", include_str!("../../repertoires/xanthus.toml")),
 ];
 
 /// The repertoires that are part of the program.

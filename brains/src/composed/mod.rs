@@ -22,6 +22,8 @@ pub struct Composed {
     pub(crate) motors: Vec<Motor>,
     cognitives: Vec<Cognitive>,
     pub(crate) decision: Decision,
+    /// The signals of the actuators besides the wheels, in the order of the body; empty if the brain uses none.
+    outputs: Vec<Output>,
     /// The motor behaviour that is active, or has the greatest weight; `None` before the first turn.
     active: Option<usize>,
     /// Whether each motor behaviour drives.
@@ -33,6 +35,24 @@ pub struct Composed {
     /// Time that a command takes on the cable.
     command_ns: u64,
     stepped_ns: Option<u64>,
+}
+
+/// The signal of an actuator besides the wheels: u = b + Σ w z, within [-1, 1].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Output {
+    /// b: the signal if all else is 0.
+    pub bias: f64,
+    /// w: one for each state variable, none for all 0.
+    pub weights: Vec<f64>,
+}
+
+impl Output {
+    /// The signal for these state variables. What is no number counts as 0.
+    pub fn signal(&self, state: &[f64]) -> f64 {
+        let sum: f64 = self.weights.iter().zip(state).map(|(weight, z)| weight * z).sum();
+        let signal = self.bias + sum;
+        if signal.is_nan() { 0.0 } else { signal.clamp(-1.0, 1.0) }
+    }
 }
 
 /// A motor behaviour of a repertoire.
@@ -117,6 +137,7 @@ impl Composed {
             motors,
             cognitives,
             decision,
+            outputs: Vec::new(),
             active: None,
             driving,
             beliefs: Beliefs::default(),
@@ -126,6 +147,13 @@ impl Composed {
             command_ns: body.command_ns(),
             stepped_ns: None,
         }
+    }
+
+    /// The same with signals for the actuators besides the wheels, one for each of the body's.
+    #[must_use]
+    pub fn with_outputs(mut self, outputs: Vec<Output>) -> Self {
+        self.outputs = outputs;
+        self
     }
 
     /// The name of the motor behaviour that is active, or has the greatest weight.
@@ -280,13 +308,14 @@ impl Brain for Composed {
         self.internal.extend(&mut state);
         if self.internal.dead().is_some() {
             self.signals = Signals::default();
-            return self.throttle.send(turn, self.signals);
+            return self.throttle.send_with(turn, self.signals, &vec![0.0; self.outputs.len()]);
         }
         let chosen = self.decide(&state, dt_s);
         self.activate(chosen, turn, dt_s, &state);
         self.act(turn, dt_s, &state);
         self.hand_out_gammas();
-        self.throttle.send(turn, self.signals)
+        let others: Vec<_> = self.outputs.iter().map(|output| output.signal(&state)).collect();
+        self.throttle.send_with(turn, self.signals, &others)
     }
 
     fn belief(&mut self) -> Option<Belief> {

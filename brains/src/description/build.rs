@@ -8,7 +8,7 @@ use super::DescriptionError;
 use super::raw::{
     By, Raw, RawDecision, RawInternal, RawNode, RawProcess, RawReservoir, RawUtility, RawVariable,
 };
-use crate::composed::{Cognitive, Composed, Decision, Motor};
+use crate::composed::{Cognitive, Composed, Decision, Motor, Output};
 use crate::decision::{
     Condition, Cooperative, Hydraulic, Layers, Machine, Node, Reservoir, Transition, Tree, Utility,
     UtilityFunction, Weight,
@@ -44,7 +44,8 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let names = Names::of(raw);
     let internal = raw.internal.iter().map(|(name, variable)| names.internal(name, variable));
     let internal = InternalState::new(internal.collect::<Result<_>>()?);
-    Ok(Composed::new(body, senses, internal, motors, cognitives, names.decision(raw)?))
+    let outputs = names.outputs(raw, body)?;
+    Ok(Composed::new(body, senses, internal, motors, cognitives, names.decision(raw)?).with_outputs(outputs))
 }
 
 fn problem(table: &str, name: &str, process: &RawProcess, unmade: Unmade) -> DescriptionError {
@@ -134,6 +135,32 @@ impl<'a> Names<'a> {
             return Err(DescriptionError::new(format!("{path}.{name}"), problem));
         }
         Ok(known.iter().map(|name| table.get(*name).copied().unwrap_or(0.0)).collect())
+    }
+
+    /// The signals of all actuators of the body, none if the description names none.
+    fn outputs(&self, raw: &Raw, body: &Body) -> Result<Vec<Output>> {
+        let mut outputs =
+            vec![Output::default(); if raw.actuators.is_empty() { 0 } else { body.actuators.len() }];
+        for (name, output) in &raw.actuators {
+            let path = format!("actuators.{name}");
+            let place = body.actuator_index(name).ok_or_else(|| {
+                let known: Vec<_> = body.actuators.iter().map(|actuator| actuator.name.as_str()).collect();
+                let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+                DescriptionError::new(
+                    path.clone(),
+                    format!("the robot has no actuator `{name}`; there are: {known}"),
+                )
+            })?;
+            let weights = Self::numbers(&format!("{path}.weights"), &self.variables, &output.weights)?;
+            if let Some(number) = weights.iter().chain([&output.bias]).find(|number| !number.is_finite()) {
+                return Err(DescriptionError::new(
+                    path,
+                    format!("its numbers must be finite, one is {number}"),
+                ));
+            }
+            outputs[place] = Output { bias: output.bias, weights };
+        }
+        Ok(outputs)
     }
 
     fn internal(&self, name: &str, raw: &RawInternal) -> Result<InternalVariable> {

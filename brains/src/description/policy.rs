@@ -43,6 +43,7 @@ impl RawPolicy {
             ("cognitive", whole.cognitive.is_empty()),
             ("state_variables", whole.state_variables.is_empty()),
             ("internal", whole.internal.is_empty()),
+            ("actuators", whole.actuators.is_empty()),
             ("decision", whole.decision == RawDecision::default()),
         ];
         if let Some((table, _)) = others.into_iter().find(|(_, is_empty)| !is_empty) {

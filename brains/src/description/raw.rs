@@ -22,6 +22,8 @@ pub(super) struct Raw {
     #[serde(default)]
     pub(super) cognitive: BTreeMap<String, RawProcess>,
     #[serde(default)]
+    pub(super) actuators: BTreeMap<String, RawOutput>,
+    #[serde(default)]
     pub(super) decision: RawDecision,
     pub(super) policy: Option<RawPolicy>,
 }
@@ -103,6 +105,15 @@ pub(super) struct RawProcess {
     #[serde(default)]
     pub(super) parameters: Table,
     pub(super) utility: Option<RawUtility>,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawOutput {
+    #[serde(default)]
+    pub(super) bias: f64,
+    #[serde(default)]
+    pub(super) weights: BTreeMap<String, f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]

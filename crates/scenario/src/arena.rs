@@ -7,8 +7,9 @@ use alloc::vec::Vec;
 use super::names::Names;
 #[cfg(feature = "schema")]
 use super::shapes::Corners;
-use super::shapes::{corners, disc, look, outline, point};
+use super::shapes::{corners, disc, look, outline, point, raised};
 use super::things::{RawMovable, RawMover};
+use super::trail::{MOST_CELLS, RawTrail, trail};
 use baudbot_fields::number::{
     Between, Coordinate, Length, Millis, NotNegative, Number, Positive, Rule, Share,
 };
@@ -92,6 +93,8 @@ struct RawPolygon {
     closed: bool,
     /// Height. Sensors that are mounted higher see over it, but bodies hit it at any height. Default: unlimited.
     height_m: Option<Number<Length>>,
+    /// Height at which it begins, as of a table: sensors that are mounted lower see under it. Bodies hit it at any height. Default: the floor. Range: to `height_m`.
+    lower_edge_m: Option<Number<Length>>,
     /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
@@ -110,6 +113,8 @@ struct RawCircle {
     radius_m: Number<Length>,
     /// Height. Sensors that are mounted higher see over it. Default: unlimited.
     height_m: Option<Number<Length>>,
+    /// Height at which it begins, as of a table: sensors that are mounted lower see under it. Bodies hit it at any height. Default: the floor. Range: to `height_m`.
+    lower_edge_m: Option<Number<Length>>,
     /// Colour for cameras. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range: each 0 to 255.
     color: Option<[u8; 3]>,
 }
@@ -195,6 +200,8 @@ struct RawField {
     /// Bell-shaped sources, which are added to the field.
     #[serde(default)]
     sources: Vec<RawSource>,
+    /// Robots with a `dispenser` add to the field: see [below](#arenafieldstrail).
+    trail: Option<RawTrail>,
 }
 
 #[derive(Debug, serde::Deserialize)]
@@ -238,7 +245,11 @@ pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Ar
     let mut pillars = Vec::new();
     for (i, circle) in raw.circles.iter().enumerate() {
         let name = names.take(&path.field("circles").index(i).field("name"), &circle.name)?;
-        let look = look(circle.height_m, circle.color);
+        let look = raised(
+            look(circle.height_m, circle.color),
+            &path.field("circles").index(i),
+            circle.lower_edge_m,
+        )?;
         pillars.push(Pillar { name, circle: disc(circle.x_m, circle.y_m, circle.radius_m), look });
     }
     Ok(Arena::new(polygons, pillars))
@@ -260,18 +271,20 @@ fn polygon(path: &Path, raw: &RawPolygon, names: &mut Names) -> Result<Polygon> 
             points.len()
         )));
     }
-    let look = look(raw.height_m, raw.color);
+    let look = raised(look(raw.height_m, raw.color), path, raw.lower_edge_m)?;
     Ok(Polygon { name, points, solid: raw.solid, closed: raw.closed, look })
 }
 
 /// What else there is.
-pub(super) fn surroundings(path: &Path, raw: &RawArena) -> Result<Surroundings> {
+pub(super) fn surroundings(path: &Path, raw: &RawArena, step_ns: u64) -> Result<Surroundings> {
     let mut names = Names::default();
     let zones = each(path, "zones", &raw.zones, |path, raw| zone(path, raw, &mut names))?;
     let mut names = Names::default();
     let lights = each(path, "lights", &raw.lights, |path, raw| light(path, raw, &mut names))?;
     let mut names = Names::default();
-    let fields = each(path, "fields", &raw.fields, |path, raw| field(path, raw, &mut names))?;
+    let mut room = MOST_CELLS;
+    let fields =
+        each(path, "fields", &raw.fields, |path, raw| field(path, raw, &mut names, step_ns, &mut room))?;
     Ok(Surroundings {
         zones,
         lights,
@@ -333,7 +346,7 @@ fn light(path: &Path, raw: &RawLight, names: &mut Names) -> Result<Light> {
     })
 }
 
-fn field(path: &Path, raw: &RawField, names: &mut Names) -> Result<Field> {
+fn field(path: &Path, raw: &RawField, names: &mut Names, step_ns: u64, room: &mut f64) -> Result<Field> {
     let [x, y] = raw.slope_per_m.map(Number::get);
     let source = |raw: &RawSource| Source {
         position: point(raw.x_m, raw.y_m),
@@ -345,5 +358,6 @@ fn field(path: &Path, raw: &RawField, names: &mut Names) -> Result<Field> {
         background: raw.background.get(),
         slope_per_m: (x, y),
         sources: raw.sources.iter().map(source).collect(),
+        trail: raw.trail.as_ref().map(|raw| trail(&path.field("trail"), raw, step_ns, room)).transpose()?,
     })
 }

@@ -36,7 +36,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     let at = path.field("arena");
     let mut names = Names::default();
     let mut arena = arena(&at, &raw.arena, &mut names)?;
-    let surroundings = surroundings(&at, &raw.arena)?;
+    let surroundings = surroundings(&at, &raw.arena, step.step_ns)?;
     let movers = each(&at, "movers", &raw.arena.movers, |path, raw| things::mover(path, raw, &mut names))?;
     let movables =
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;

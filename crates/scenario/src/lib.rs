@@ -56,6 +56,7 @@ mod serial_ports;
 mod shapes;
 mod starts;
 mod things;
+mod trail;
 mod warnings;
 
 use alloc::string::{String, ToString};

@@ -220,7 +220,9 @@ struct Equipment {
 
 fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut World<'_>) -> Result<Equipment> {
     let tables = core::mem::take(&mut raw.actuators);
-    let actuators = each_named(&path.field("actuators"), tables, actuators::actuator)?;
+    let actuators = each_named(&path.field("actuators"), tables, |path, name, table| {
+        actuators::actuator(path, name, table, context.surroundings)
+    })?;
     let battery = raw.battery.take().map(|raw| raw.checked(&path.field("battery"))).transpose()?;
     let mut context = sensors::Context {
         step_ns: context.step.step_ns,

@@ -82,5 +82,16 @@ fn no_inside(defect: Defect) -> String {
 
 /// Height and colour; what has no height reaches up to every sensor.
 pub(super) fn look(height_m: Option<Number<Length>>, color: Option<[u8; 3]>) -> Look {
-    Look { height_m: height_m.map_or(f64::INFINITY, Number::get), color: color.unwrap_or(Look::WALL.color) }
+    let height_m = height_m.map_or(f64::INFINITY, Number::get);
+    Look { height_m, color: color.unwrap_or(Look::WALL.color), ..Look::WALL }
+}
+
+/// The same of something that may begin above the floor.
+pub(super) fn raised(look: Look, path: &Path, lower_edge_m: Option<Number<Length>>) -> Result<Look> {
+    let lower_edge_m = lower_edge_m.map_or(0.0, Number::get);
+    if lower_edge_m > look.height_m {
+        let problem = format!("must be at most `height_m`, {}, is {lower_edge_m}", look.height_m);
+        return Err(path.field("lower_edge_m").error(problem));
+    }
+    Ok(Look { lower_edge_m, ..look })
 }

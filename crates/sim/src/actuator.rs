@@ -1,4 +1,4 @@
-//! Actuators besides the wheels: a servo that turns a sensor, a lamp, a loudspeaker.
+//! Actuators besides the wheels: a servo that turns a sensor, a lamp, a loudspeaker, a dispenser of scent.
 
 use alloc::string::String;
 
@@ -27,6 +27,8 @@ pub enum ActuatorKind {
     Lamp(Lamp),
     /// A loudspeaker in the robot's centre: 1 is full loudness, 0 and less is silence.
     Speaker(Speaker),
+    /// A dispenser in the robot's centre that lays a trail: 1 is the full rate, 0 and less is none.
+    Dispenser(Dispenser),
 }
 
 /// What a lamp is.
@@ -54,6 +56,15 @@ pub struct Speaker {
     pub frequency_hz: Option<Number<UpTo<1_000_000>>>,
 }
 
+/// What a dispenser is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dispenser {
+    /// The field that it writes to, by its place in the surroundings.
+    pub field: usize,
+    /// Amount that it lays down at signal 1, in the field's unit times m², each second.
+    pub rate_per_s: f64,
+}
+
 /// State of an actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorState {
@@ -78,6 +89,7 @@ impl Actuator {
             ActuatorKind::Turret(_) => "turret",
             ActuatorKind::Lamp { .. } => "lamp",
             ActuatorKind::Speaker { .. } => "speaker",
+            ActuatorKind::Dispenser { .. } => "dispenser",
         }
     }
 }

@@ -40,13 +40,20 @@ pub struct Look {
     /// The height up to which it reaches from the floor, in metres; infinite for a wall. A sensor that sits higher
     /// overlooks it (§6.1).
     pub height_m: f64,
+    /// The height at which it begins, in metres; 0 on the floor. A sensor that sits lower sees under it.
+    pub lower_edge_m: f64,
     /// The colour: red, green and blue.
     pub color: [u8; 3],
 }
 
 impl Look {
     /// A wall as high as any sensor, in grey.
-    pub const WALL: Self = Self { height_m: f64::INFINITY, color: [128, 128, 128] };
+    pub const WALL: Self = Self { height_m: f64::INFINITY, lower_edge_m: 0.0, color: [128, 128, 128] };
+
+    /// Whether an eye at this height looks at it, and neither over nor under it.
+    pub(crate) fn is_at(&self, above_floor_m: f64) -> bool {
+        self.lower_edge_m <= above_floor_m && self.height_m >= above_floor_m
+    }
 }
 
 /// All that stands still, with the indices that find it.
@@ -101,7 +108,7 @@ struct Layer {
 impl Arena {
     /// An arena of these shapes.
     pub fn new(polygons: Vec<Polygon>, pillars: Vec<Pillar>) -> Self {
-        let all = Layer::new(&polygons, &pillars, 0.0);
+        let all = Layer::new(&polygons, &pillars, |_| true);
         let solids = Solids::of(&polygons);
         Self { polygons, pillars, layers: alloc::vec![all], solids }
     }
@@ -116,13 +123,13 @@ impl Arena {
         if let Some(i) = self.layers.iter().position(same) {
             return i;
         }
-        self.layers.push(Layer::new(&self.polygons, &self.pillars, height_m));
+        self.layers.push(Layer::new(&self.polygons, &self.pillars, |look| look.is_at(height_m)));
         self.layers.len() - 1
     }
 
     /// Whether the layer has just what reaches up to `height_m`.
     fn is_layer(&self, layer: &Layer, height_m: f64) -> bool {
-        let seen = |look: &Look| look.height_m >= height_m;
+        let seen = |look: &Look| look.is_at(height_m);
         let polygons = (0..self.polygons.len()).filter(|&i| seen(&self.polygons[i].look));
         let pillars = (0..self.pillars.len()).filter(|&i| seen(&self.pillars[i].look));
         let mut known = layer.polygons.iter().copied();
@@ -263,16 +270,16 @@ impl Layer {
         self.index.heap_bytes() + elements(&self.polygons) + elements(&self.pillars)
     }
 
-    fn new(polygons: &[Polygon], pillars: &[Pillar], height_m: f64) -> Self {
+    fn new(polygons: &[Polygon], pillars: &[Pillar], is_seen: impl Fn(&Look) -> bool) -> Self {
         let mut segments = Vec::new();
         let mut owners = Vec::new();
-        for (owner, polygon) in polygons.iter().enumerate().filter(|(_, p)| p.look.height_m >= height_m) {
+        for (owner, polygon) in polygons.iter().enumerate().filter(|(_, polygon)| is_seen(&polygon.look)) {
             for edge in polygon.edges() {
                 segments.push(edge);
                 owners.push(owner);
             }
         }
-        let seen = pillars.iter().enumerate().filter(|(_, pillar)| pillar.look.height_m >= height_m);
+        let seen = pillars.iter().enumerate().filter(|(_, pillar)| is_seen(&pillar.look));
         let (pillars, circles) = seen.map(|(i, pillar)| (i, pillar.circle)).unzip();
         Self { index: Index::new(segments, circles), polygons: owners, pillars }
     }

@@ -60,6 +60,7 @@ fn actuator(spec: &actuator::Actuator) -> Actuator {
         actuator::ActuatorKind::Turret(servo) => (ActuatorKind::Turret, Some([servo.min_rad, servo.max_rad])),
         actuator::ActuatorKind::Lamp { .. } => (ActuatorKind::Lamp, None),
         actuator::ActuatorKind::Speaker { .. } => (ActuatorKind::Speaker, None),
+        actuator::ActuatorKind::Dispenser(_) => (ActuatorKind::Dispenser, None),
     };
     Actuator { name: spec.name.clone(), kind, range_rad }
 }

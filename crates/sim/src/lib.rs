@@ -77,6 +77,7 @@ mod statistics;
 pub mod surroundings;
 pub mod time;
 pub mod timeline;
+pub mod trail;
 mod values;
 mod view;
 mod wheels;

@@ -65,7 +65,7 @@ impl<'a> RayCaster<'a> {
     /// If there is no robot of this index.
     pub fn along(&self, robot: usize, mount: &Mount, fan: &Fan, range_m: f64) -> Vec<CastRay> {
         let pose = self.place(robot, mount);
-        let scene = self.world.scenario().scene(&self.frozen, robot);
+        let scene = self.world.scenario().scene(&self.frozen, self.world.trails(), robot);
         let eye = scene.look(pose.position, mount.height, range_m);
         let mut distances_m = alloc::vec![0.0; fan.len()];
         eye.sweep(&pose, fan, 0..fan.len(), &mut distances_m);

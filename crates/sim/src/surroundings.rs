@@ -7,6 +7,7 @@ use baudbot_geometry::{Circle, Point, Twist, math, polygon};
 
 use crate::drive::{Deviation, Drive, Motion, Wheels};
 use crate::time::SimTime;
+use crate::trail::TrailGrid;
 
 /// All of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -124,6 +125,8 @@ pub struct Field {
     pub slope_per_m: (f64, f64),
     /// Bells on top.
     pub sources: Vec<Source>,
+    /// The grid of what robots add to it, if they can.
+    pub trail: Option<TrailGrid>,
 }
 
 /// A Gaussian bell.
@@ -138,7 +141,7 @@ pub struct Source {
 }
 
 impl Field {
-    /// The value at a point.
+    /// The value at a point, without what robots have added.
     pub fn at(&self, point: Point) -> f64 {
         let (x, y) = self.slope_per_m;
         let bell = |source: &Source| {
@@ -235,6 +238,7 @@ mod tests {
             background: 1.0,
             slope_per_m: (0.5, 0.0),
             sources: alloc::vec![source],
+            trail: None,
         };
         assert_eq!(field.at(Point::new(1.0, 0.0)), 3.5);
         let one_sigma = field.at(Point::new(1.0, 0.5));

@@ -83,7 +83,7 @@ fn every_device_is_in_one_of_them() {
     }
     assert_eq!(sensors.len(), SensorKind::ALL.len(), "{sensors:?}");
     assert_eq!(motors, BTreeSet::from(["dc", "servo", "stepper", "velocity"]));
-    assert_eq!(actuators, BTreeSet::from(["lamp", "speaker", "turret"]));
+    assert_eq!(actuators, BTreeSet::from(["dispenser", "lamp", "speaker", "turret"]));
 }
 
 #[test]

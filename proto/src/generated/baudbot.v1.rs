@@ -4392,6 +4392,8 @@ pub enum ActuatorKind {
     Lamp = 2,
     /// Speaker; signal 1 is full volume, 0 and below is off.
     Speaker = 3,
+    /// Dispenser of scent; signal 1 is the full rate, 0 and below is off.
+    Dispenser = 4,
 }
 impl ActuatorKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -4404,6 +4406,7 @@ impl ActuatorKind {
             Self::Turret => "ACTUATOR_KIND_TURRET",
             Self::Lamp => "ACTUATOR_KIND_LAMP",
             Self::Speaker => "ACTUATOR_KIND_SPEAKER",
+            Self::Dispenser => "ACTUATOR_KIND_DISPENSER",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -4413,6 +4416,7 @@ impl ActuatorKind {
             "ACTUATOR_KIND_TURRET" => Some(Self::Turret),
             "ACTUATOR_KIND_LAMP" => Some(Self::Lamp),
             "ACTUATOR_KIND_SPEAKER" => Some(Self::Speaker),
+            "ACTUATOR_KIND_DISPENSER" => Some(Self::Dispenser),
             _ => None,
         }
     }

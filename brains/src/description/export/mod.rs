@@ -110,6 +110,10 @@ fn checked(raw: &Raw, robot: &Robot<'_>, motors: &[Exported<'_>]) -> Result<Comp
                        needs it";
         return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
     }
+    if let Some(name) = raw.actuators.keys().next() {
+        let problem = "signals for other actuators than the wheels cannot be exported but from a `[policy]`; leave them out";
+        return Err(DescriptionError::new(format!("actuators.{name}"), problem));
+    }
     motors.iter().try_for_each(Exported::check)?;
     let brain = build::brain(raw, robot.seed, robot.body, &Registry::standard())?;
     for variable in &brain.senses.variables {

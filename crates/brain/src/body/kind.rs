@@ -98,6 +98,8 @@ kinds! {
         Lamp = "lamp",
         /// Sounds; 1 is full strength, and 0 and less is nothing.
         Speaker = "speaker",
+        /// Lays a trail of scent; 1 is the full rate, and 0 and less is nothing.
+        Dispenser = "dispenser",
     }
 }
 

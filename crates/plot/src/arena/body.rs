@@ -1,7 +1,7 @@
 //! A robot's body: rim, wheels, heading, and the actuators on it.
 
 use baudbot_geometry::{Circle, Point, Pose, math};
-use baudbot_sim::actuator::{Actuator, ActuatorKind, Lamp, Speaker};
+use baudbot_sim::actuator::{Actuator, ActuatorKind, Dispenser, Lamp, Speaker};
 use baudbot_sim::arena::Look;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
@@ -130,6 +130,10 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
             let waves: String =
                 [0.14, 0.2, 0.26].map(|share| view.line(arc(&back, share * radius, -0.7, 0.7))).concat();
             canvas.put(drawn(&waves).set("stroke", INK).set("fill", "none").titled(&title));
+        }
+        ActuatorKind::Dispenser(Dispenser { rate_per_s, .. }) => {
+            let title = format!("dispenser {name}: up to {} each second", handy(*rate_per_s));
+            canvas.put(ring(0.07).set("fill", INK).titled(&title));
         }
     }
 }

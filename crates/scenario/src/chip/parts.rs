@@ -203,7 +203,7 @@ impl Part<'_> {
             Belongs::Actuator(place) => {
                 let kind = match &robot.actuators[place].kind {
                     ActuatorKind::Turret(_) => Kind::Servo(ServoKind::Standard),
-                    ActuatorKind::Lamp { .. } => Kind::Led(self.led()),
+                    ActuatorKind::Lamp(_) | ActuatorKind::Dispenser(_) => Kind::Led(self.led()),
                     ActuatorKind::Speaker { .. } => Kind::Piezo(Piezo),
                 };
                 Ok((kind, Attached::Actuator(place)))

@@ -33,7 +33,7 @@ pub(crate) struct Robot {
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]
     pub(crate) motors: toml::Table,
-    /// [Turrets, lamps and speakers](actuators.md#robotsactuatorsname) by name. Their order in the file is
+    /// [Turrets, lamps, speakers and dispensers](actuators.md#robotsactuatorsname) by name. Their order in the file is
     /// their order in a command. Default: none.
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]

@@ -61,6 +61,7 @@ pub(super) fn actuators() -> Value {
         Kind::of::<motor::PositionalServo>("turret"),
         Kind::of::<actuator::Lamp>("lamp"),
         Kind::of::<actuator::Speaker>("speaker"),
+        Kind::of::<actuators::RawDispenser>("dispenser"),
     ];
     let kind = table::<actuators::RawActuatorKind>();
     let common = alloc::vec![json!({ "properties": { "kind": kind }, "required": ["kind"] })];

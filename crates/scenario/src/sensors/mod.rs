@@ -90,10 +90,22 @@ pub(super) fn sensor(
 /// The device, from the fields of its place and its kind.
 fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'_>) -> Result<Built<Device>> {
     let mount = match common.kind.place() {
-        Place::Inside => Mount { pose: Pose::default(), turret: None, height: context.arena.height(0.0) },
+        Place::Inside => Mount {
+            pose: Pose::default(),
+            turret: None,
+            height: context.arena.height(0.0),
+            elevation_rad: None,
+        },
         Place::Mounted => place::mount(path, &mut table, context)?,
         Place::Rim => place::centre(path, &mut table, context)?,
     };
+    if mount.elevation_rad.is_some() && !common.kind.tilts() {
+        let problem = format!(
+            "a sensor of kind `{}` has none: it is for `sonar`, `laser`, `ir` and `ir-voltage`",
+            common.kind.name()
+        );
+        return Err(path.field("elevation_rad").error(problem));
+    }
     let (battery, surroundings) = (context.battery, context.surroundings);
     let checked = |bits| path.whole_within("bits", bits, common.kind.least_bits(), 32);
     let bits = common.bits.map(checked).transpose()?.map(|bits| bits as u8);

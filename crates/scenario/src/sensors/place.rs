@@ -34,7 +34,8 @@ pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -
         _ => return Err(path.error("needs either `bearing_rad` (on the rim, looking outwards) or `mount`")),
     };
     let turret = raw.turret.map(|name| turret(path, &name, context)).transpose()?;
-    Ok(Mount { pose, turret, height: height(raw.height_m, context) })
+    let elevation_rad = raw.elevation_rad.map(Number::get);
+    Ok(Mount { pose, turret, height: height(raw.height_m, context), elevation_rad })
 }
 
 /// The [`mount`] of a sensor that sits in the robot's centre and has a direction only.
@@ -45,7 +46,8 @@ pub(super) fn centre(path: &Path, table: &mut Table, context: &mut Context<'_>) 
     }
     let bearing = raw.bearing_rad.map_or(0.0, Number::get);
     let height = height(raw.height_m, context);
-    Ok(Mount { pose: Pose::new(0.0, 0.0, bearing), turret: None, height })
+    let elevation_rad = raw.elevation_rad.map(Number::get);
+    Ok(Mount { pose: Pose::new(0.0, 0.0, bearing), turret: None, height, elevation_rad })
 }
 
 fn height(height_m: Option<Number<Between<0, 100>>>, context: &mut Context<'_>) -> Height {

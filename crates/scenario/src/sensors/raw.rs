@@ -125,9 +125,17 @@ pub(crate) struct Place {
     /// at the turret's 0. Range: name of a [turret](actuators.md#kind--turret-a-servo-that-turns-sensors) of the
     /// robot.
     pub(crate) turret: Option<String>,
+    /// Angle by which the rays rise above the horizon, each at its own bearing; negative: they look down, and meet the floor, too. Range: −1.5 to 1.5; `sonar`, `laser`,
+    /// `ir` and `ir-voltage`.
+    pub(crate) elevation_rad: Option<Number<Elevation>>,
 }
 
-pub(crate) const PLACE: [&str; 4] = ["bearing_rad", "mount", "height_m", "turret"];
+baudbot_fields::rules! {
+    /// An angle above or below the horizon, in radians.
+    Elevation: Any, -1.5, 1.5;
+}
+
+pub(crate) const PLACE: [&str; 5] = ["bearing_rad", "mount", "height_m", "turret", "elevation_rad"];
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,7 +8,7 @@ use crate::schema::corpus::{SCHEMA, parsed, path, places, scenarios};
 use crate::schema::validator::{Bounds, findings, is_valid};
 
 /// Fields of which the parser refuses more because of another field, with the reason.
-const NARROWER: [(&str, &str); 34] = [
+const NARROWER: [(&str, &str); 38] = [
     ("/lit_ms", "`blink_ms` is longer"),
     ("/metrics/cell_m", "the arena has so many cells"),
     ("/points_m", "an outline does not cross itself"),
@@ -28,6 +28,10 @@ const NARROWER: [(&str, &str); 34] = [
     ("/first_step", "the last step has four digits"),
     ("/min_m", "the range is longer"),
     ("/wall_range_m", "`max_m` is shorter"),
+    ("/lower_edge_m", "`height_m` is higher"),
+    ("/trail/cell_m", "cells are fewer"),
+    ("/trail/size_m", "cells are fewer"),
+    ("/trail/diffusion_m2_s", "cells are larger"),
     ("/idle_v", "`supply_v` is higher"),
     ("/clock/spread_ms", "`period_ms` is longer"),
     ("/clock/jitter_ms", "`period_ms` is longer"),

@@ -1,8 +1,11 @@
-//! The scene as a camera sees it: things that rise from the floor to their heights, and the floor.
+//! The scene as a camera and rays with an elevation see it (Section 3.2.3): things between two heights, and the floor.
+//!
+//! A ray rises by tan ε for each metre on the floor. It meets a thing's side where it crosses the outline between the two heights, the top or the underside of a filled
+//! one where it comes to that height over the outline's inside, and the floor at z = 0.
 
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Point, Ray, Segment, polygon};
+use baudbot_geometry::{Circle, Point, Ray, Segment, math, polygon};
 
 use super::Viewpoint;
 use crate::arena::Look;
@@ -17,7 +20,7 @@ pub(crate) struct Blocks<'a> {
     covered: Option<Look>,
 }
 
-/// A thing that rises from the floor.
+/// A thing between two heights.
 struct Block<'a> {
     outline: Outline<'a>,
     look: Look,
@@ -54,6 +57,12 @@ pub(crate) enum Pixel {
 impl Viewpoint<'_> {
     /// All that a camera here may see.
     pub(crate) fn blocks(&self) -> Blocks<'_> {
+        self.blocks_within(0.0)
+    }
+
+    /// The same for eyes that are at most `stray_m` from here.
+    pub(super) fn blocks_within(&self, stray_m: f64) -> Blocks<'_> {
+        let around = Circle { radius: self.around.radius + stray_m, ..self.around };
         let what = self.covered;
         let covered = what.map(|what| self.look_of(&super::RayHit { distance_m: 0.0, what }));
         let (arena, frozen) = (self.scene.arena, self.scene.frozen);
@@ -77,7 +86,7 @@ impl Viewpoint<'_> {
             },
             look: figure.look,
         });
-        let is_near = |block: &Block<'_>| block.outline.is_near(&self.around);
+        let is_near = |block: &Block<'_>| block.outline.is_near(&around);
         let blocks = polygons.chain(pillars).chain(bodies).filter(is_near).collect();
         Blocks { blocks, height_m: self.height.above_floor_m, range_m: self.around.radius, covered }
     }
@@ -99,14 +108,33 @@ impl<'a> Blocks<'a> {
     }
 }
 
+impl Blocks<'_> {
+    /// The lengths of these rays, all of which rise by so many metres for each metre on the floor; infinite for one that meets nothing within range.
+    pub(crate) fn each(&self, rays: impl Iterator<Item = Ray>, rise: f64, distances_m: &mut [f64]) {
+        let slant = math::sqrt(1.0 + rise * rise);
+        for (ray, distance_m) in rays.zip(distances_m) {
+            *distance_m = match self.along(&ray).meet(rise) {
+                (_, Pixel::Nothing) => f64::INFINITY,
+                (along_m, Pixel::Thing(_) | Pixel::Floor) => slant * along_m,
+            };
+        }
+    }
+}
+
 impl View<'_> {
     /// What a line of sight sees that rises by so many metres for each metre on the floor.
     pub(crate) fn pixel(&self, rise: f64) -> Pixel {
+        self.meet(rise).1
+    }
+
+    /// The same with its distance along the floor.
+    fn meet(&self, rise: f64) -> (f64, Pixel) {
         let Blocks { blocks, height_m, range_m, covered } = self.blocks;
         if let Some(look) = covered {
-            return Pixel::Thing(*look);
+            return (0.0, Pixel::Thing(*look));
         }
-        // How far away the line of sight comes down to this height.
+        // How far away the line of sight comes down to this height, or up to it.
+        let up_to = |edge_m: f64| if rise > 0.0 { (edge_m - height_m) / rise } else { f64::INFINITY };
         let down_to = |top_m: f64| if rise < 0.0 { (height_m - top_m) / -rise } else { f64::INFINITY };
         let floor_m = down_to(0.0);
         let (mut nearest_m, mut seen) =
@@ -117,15 +145,16 @@ impl View<'_> {
             }
             let Block { outline, look } = &blocks[i];
             let at_m = height_m + rise * distance_m;
-            if at_m <= look.height_m {
-                return Pixel::Thing(*look);
+            if look.is_at(at_m) {
+                return (distance_m, Pixel::Thing(*look));
             }
-            let top_m = down_to(look.height_m);
-            if top_m <= nearest_m && outline.is_over(self.ray.at(top_m)) {
-                (nearest_m, seen) = (top_m, Pixel::Thing(*look));
+            // Else the line comes from above or below, and may meet the top or the underside of what is filled.
+            let face_m = if at_m > look.height_m { down_to(look.height_m) } else { up_to(look.lower_edge_m) };
+            if face_m <= nearest_m && outline.is_over(self.ray.at(face_m)) {
+                (nearest_m, seen) = (face_m, Pixel::Thing(*look));
             }
         }
-        seen
+        (nearest_m, seen)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The scene that sensors look at: the arena and all that moves in it, frozen at the start of the tick.
 
 mod blocks;
+mod figure;
 mod neighbors;
 mod sector;
 
@@ -9,13 +10,14 @@ use core::cell::OnceCell;
 use core::ops::Range;
 
 use baudbot_geometry::{
-    Bundle, Circle, Crowd, Direction, Fan, Index, Point, Pose, Ray, Segment, Sweep, Vector, polygon,
+    Bundle, Circle, Crowd, Direction, Fan, Index, Point, Pose, Ray, Sweep, Vector, polygon,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Height, Look};
 use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
+use crate::trail::Trails;
 pub(crate) use blocks::{Blocks, Pixel};
 use neighbors::Neighbors;
 pub(crate) use neighbors::Reach;
@@ -69,6 +71,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) arena: &'a Arena,
     pub(crate) surroundings: &'a Surroundings,
     pub(crate) frozen: &'a Frozen,
+    /// What robots have added to fields.
+    pub(crate) trails: &'a Trails,
     /// The robot that looks: its own body hides nothing from it.
     pub(crate) own: usize,
     /// The radius around it within which the shapes for its sensors are collected, if that pays.
@@ -83,12 +87,12 @@ impl<'a> Scene<'a> {
     /// The scene for robot `own`, whose sensors reach so far.
     pub(crate) fn new(
         (arena, surroundings): (&'a Arena, &'a Surroundings),
-        frozen: &'a Frozen,
+        (frozen, trails): (&'a Frozen, &'a Trails),
         own: usize,
         reach: Option<Reach>,
     ) -> Self {
         let (neighbors, strokes, facing) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        Self { arena, surroundings, frozen, own, reach, neighbors, strokes, facing }
+        Self { arena, surroundings, frozen, trails, own, reach, neighbors, strokes, facing }
     }
 
     /// The robot's heading, at `pose`, as a direction. It has the same pose all the time that the scene is frozen.
@@ -127,7 +131,14 @@ impl<'a> Scene<'a> {
     /// A look of an eye that sticks out of nothing.
     pub(crate) fn look_around(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
         let around = Circle { center: from, radius: range_m };
-        Viewpoint { index: self.arena.seen(height.layer), scene: self, height, around, covered: None }
+        Viewpoint {
+            index: self.arena.seen(height.layer),
+            scene: self,
+            height,
+            around,
+            covered: None,
+            rise: None,
+        }
     }
 
     /// Whether a place on the looking robot, in its own frame, is within its body, if that is a disc.
@@ -173,6 +184,8 @@ pub(crate) struct Viewpoint<'a> {
     around: Circle,
     /// The thing that the eye is in, or behind: all that it sees is that, at no distance.
     covered: Option<What>,
+    /// The metres by which rays rise for each metre on the floor; level rays have none. Such rays meet the floor, too.
+    rise: Option<f64>,
 }
 
 /// The thing that a ray met.
@@ -230,6 +243,14 @@ impl Viewpoint<'_> {
         });
     }
 
+    /// The same of rays that rise by this angle: their range is along them.
+    pub(crate) fn raised(mut self, elevation_rad: f64) -> Self {
+        let (sin, cos) = baudbot_geometry::math::sin_cos(elevation_rad);
+        self.rise = Some(sin / cos);
+        self.around.radius *= cos;
+        self
+    }
+
     /// Whether the body reaches up to the eye.
     fn sees(&self, figure: &Figure) -> bool {
         figure.reaches(self.height)
@@ -241,7 +262,14 @@ impl Viewpoint<'_> {
         if self.covered.is_some() {
             return distances_m.fill(0.0);
         }
-        self.fill(Sweep::new(pose, fan, rays, self.around.radius, distances_m));
+        match self.rise {
+            None => self.fill(Sweep::new(pose, fan, rays, self.around.radius, distances_m)),
+            Some(rise) => {
+                let facing = pose.direction();
+                let rays = fan.rays(pose.position, facing).skip(rays.start).take(rays.len());
+                self.blocks().each(rays, rise, distances_m);
+            }
+        }
     }
 
     /// The length of each ray of a bundle, whose rays start where eyes as this one are.
@@ -249,7 +277,13 @@ impl Viewpoint<'_> {
         if self.covered.is_some() {
             return distances_m.fill(0.0);
         }
-        self.fill(Sweep::of_bundle(bundle, self.around.radius, distances_m));
+        match self.rise {
+            None => self.fill(Sweep::of_bundle(bundle, self.around.radius, distances_m)),
+            Some(rise) => {
+                let rays = (0..distances_m.len()).map(|i| bundle.ray(i));
+                self.blocks_within(MOST_STRAY_M).each(rays, rise, distances_m);
+            }
+        }
     }
 
     fn fill(&self, mut sweep: Sweep<'_>) {
@@ -278,7 +312,7 @@ impl Viewpoint<'_> {
     /// Visits all rays of a fan in their order, each with how far it runs.
     pub(crate) fn each(&self, pose: &Pose, fan: &Fan, mut visit: impl FnMut(usize, f64)) {
         let neighbors = self.scene.neighbors(&self.around, self.height.layer);
-        if neighbors.is_some_and(Neighbors::is_empty) && self.covered.is_none() {
+        if neighbors.is_some_and(Neighbors::is_empty) && self.covered.is_none() && self.rise.is_none() {
             return (0..fan.len()).for_each(|i| visit(i, f64::INFINITY));
         }
         let mut distances_m = [0.0; 16];
@@ -323,7 +357,7 @@ impl Viewpoint<'_> {
     pub(crate) fn incidence_rad(&self, ray: &Ray, hit: &RayHit) -> f64 {
         let at = ray.at(hit.distance_m);
         let normal = match hit.what {
-            What::Fixed(baudbot_geometry::Shape::Segment(i)) => normal_of(&self.index.segments()[i]),
+            What::Fixed(baudbot_geometry::Shape::Segment(i)) => figure::normal_of(&self.index.segments()[i]),
             What::Fixed(baudbot_geometry::Shape::Circle(i)) => at - self.index.circles()[i].center,
             What::Figure(i) => self.scene.frozen.bodies[i].normal_at(at),
         };
@@ -336,44 +370,13 @@ impl Viewpoint<'_> {
     }
 }
 
-impl Default for Figure {
-    fn default() -> Self {
-        let disc = Circle { center: Point::origin(), radius: 0.0 };
-        Self { disc, outline: Vec::new(), look: Look::WALL }
-    }
-}
-
-impl Figure {
-    /// Whether it reaches up to an eye at this height.
-    fn reaches(&self, height: Height) -> bool {
-        self.look.height_m >= height.above_floor_m
-    }
-
-    /// The distance along `ray`, if the ray meets it.
-    pub(crate) fn hit(&self, ray: &Ray) -> Option<f64> {
-        if self.outline.is_empty() {
-            return ray.hit_circle(&self.disc);
-        }
-        ray.hit_circle(&self.disc)?;
-        polygon::edges(&self.outline).filter_map(|edge| ray.hit_segment(&edge)).reduce(f64::min)
-    }
-
-    fn normal_at(&self, at: Point) -> Vector {
-        let nearest = polygon::edges(&self.outline)
-            .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at)));
-        nearest.map_or(at - self.disc.center, |edge| normal_of(&edge))
-    }
-}
-
-fn normal_of(segment: &Segment) -> Vector {
-    let along = segment.end - segment.start;
-    Vector::new(-along.y, along.x)
-}
-
 /// Whether a disc of this radius reaches so far from its middle.
 fn reaches(radius_m: f64, out: Vector) -> bool {
     out.norm_squared() <= (radius_m + TOUCHING_M) * (radius_m + TOUCHING_M)
 }
+
+/// The rays of a bundle start nearer to its pose than this, in metres.
+const MOST_STRAY_M: f64 = 10.0;
 
 /// An eye this close to its body's rim, or to a wall, is on it: it is not in it, or behind.
 const TOUCHING_M: f64 = 1e-9;

@@ -1,7 +1,8 @@
 //! Fields and sounds: scent, temperature, or any scalar that fills the plane; and the loudness of what robots
 //! say (Section 1.2.3).
 //!
-//! A microphone hears L = Σ g(f) level / d over the sounds of others, of the frequency f at the distance d. With a band from f₁ to f₂ it passes
+//! A microphone hears L = Σ g(f) h(θ) level / d over the sounds of others, of the frequency f at the distance d. An omnidirectional one has h = 1, a cardioid
+//! h = (1 + cos θ) / 2 for a sound that comes at an angle of θ to its axis. With a band from f₁ to f₂ it passes
 //!
 //! g = 1 within the band, (f / f₁)² below it and (f₂ / f)² above
 //!
@@ -22,8 +23,9 @@ use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Sound;
-use baudbot_fields::number::{Number, Positive};
+use baudbot_fields::number::{Between, Number, Positive};
 use baudbot_fields::{FieldError, Path};
+use baudbot_geometry::math;
 
 /// A sensor of one of the scenario's fields.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +81,9 @@ impl Sense for FieldSensor {
     /// The field's value, in its own unit.
     fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let pose = self.mount.world_from_sensor(at);
-        values[0] = at.scene.surroundings.fields[self.field].at(pose.position);
+        let field = &at.scene.surroundings.fields[self.field];
+        let laid = field.trail.as_ref().zip(at.scene.trails.get(self.field));
+        values[0] = field.at(pose.position) + laid.map_or(0.0, |(grid, cells)| grid.at(cells, pose.position));
         Effect::NONE
     }
 }
@@ -89,6 +93,8 @@ impl Sense for FieldSensor {
 pub struct Microphone {
     /// Least and greatest frequency that it passes as they are, in hertz; all if there is none.
     pub band_hz: Option<[f64; 2]>,
+    /// The axis of a cardioid, from the robot's heading, in radians; it hears all around alike if there is none.
+    pub axis_rad: Option<f64>,
 }
 
 /// The fields of its table.
@@ -101,6 +107,8 @@ pub(crate) struct MicrophoneSheet {
     /// Least and greatest frequency of a band-pass filter, beyond which it loses 12 dB an octave. Type: `[low, high]`. Default: all are heard. Range: each
     /// above 0; increasing.
     band_hz: Option<[Number<Positive>; 2]>,
+    /// Direction from the robot's heading in which a cardioid microphone hears best; half from the sides, nothing from behind. Default: it hears all around alike.
+    axis_rad: Option<Number<Between<-10, 10>>>,
 }
 
 impl Sense for Microphone {
@@ -118,7 +126,8 @@ impl Sense for Microphone {
         {
             return Err(path.field("band_hz").error(format!("must increase, is {low} to {high}")));
         }
-        Ok(Built::new(Self { band_hz }, encodings))
+        let axis_rad = sheet.axis_rad.map(Number::get);
+        Ok(Built::new(Self { band_hz, axis_rad }, encodings))
     }
 
     fn components(&self) -> Vec<Component> {
@@ -130,7 +139,15 @@ impl Sense for Microphone {
         let here = at.motion.pose.position;
         let others = at.scene.frozen.sounds.iter().filter(|sound| sound.robot != at.scene.own);
         let loudness = |sound: &Sound| sound.level / (sound.from - here).norm().max(NEAREST_M);
-        values[0] = others.map(|sound| self.gain(sound.frequency_hz) * loudness(sound)).sum();
+        let gain = |sound: &Sound| match self.axis_rad {
+            None => self.gain(sound.frequency_hz),
+            Some(axis_rad) => {
+                let from = math::atan2(sound.from.y - here.y, sound.from.x - here.x);
+                let cosine = math::cos(from - at.motion.pose.heading - axis_rad);
+                self.gain(sound.frequency_hz) * (1.0 + cosine) / 2.0
+            }
+        };
+        values[0] = others.map(|sound| gain(sound) * loudness(sound)).sum();
         Effect::NONE
     }
 

@@ -120,6 +120,7 @@ pub(crate) struct Sheet {
 impl Sense for Infrared {
     const NAME: &str = "ir";
     const PLACE: Place = Place::Mounted;
+    const TILTS: bool = true;
     const STYLE: Style = Style::dot("#d55e00");
     type Sheet = Sheet;
     type Memory = ();
@@ -130,6 +131,11 @@ impl Sense for Infrared {
         let (max, converter) = codes(path, &sheet, fit.bits)?;
         let encodings = levels(fit.bits, 1, 0.0, max);
         let device = Self { mount: fit.mount, fan, range_m, model: model(path, sheet)?, converter };
+        if device.mount.elevation_rad.is_some()
+            && !matches!(device.model, InfraredModel::Phenomenological { .. })
+        {
+            return Err(path.field("elevation_rad").error("goes with `c1_m2` and `c2` only"));
+        }
         Ok(Built { multiplicative, ..Built::new(device, encodings) })
     }
 
@@ -218,7 +224,7 @@ impl Infrared {
             (cos_kappa * (c1_m2 / (d * d) + c2)).min(1.0)
         };
         let mut sum = 0.0;
-        if let Some(near) = &at.near {
+        if let Some(near) = at.near.as_ref().filter(|_| self.mount.elevation_rad.is_none()) {
             let forward = pose.direction();
             for relative in self.fan.relative().chunks(Pencil::RAYS) {
                 let mut pencil = Pencil::new(pose.position, forward, relative, self.range_m);

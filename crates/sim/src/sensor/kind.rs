@@ -33,6 +33,8 @@ pub(crate) trait Sense: Sized {
     const IS_ANALOG: bool = true;
     /// The reason why it cannot measure at its own pace, if it cannot.
     const NO_CLOCK: Option<&str> = None;
+    /// Whether its rays may rise or fall.
+    const TILTS: bool = false;
     /// The fields of its table, besides those of all sensors and those of its place.
     type Sheet: DeserializeOwned;
     /// The memory between two reads.

@@ -64,6 +64,7 @@ pub(crate) struct Sheet {
 impl Sense for Laser {
     const NAME: &str = "laser";
     const PLACE: Place = Place::Mounted;
+    const TILTS: bool = true;
     const STYLE: Style = Style::dot("#009e73");
     type Sheet = Sheet;
     type Memory = ();

@@ -144,6 +144,13 @@ macro_rules! devices {
                 }
             }
 
+            /// Whether the rays of this kind's sensors may rise or fall.
+            pub fn tilts(self) -> bool {
+                match self {
+                    $(Self::$kind => $device::TILTS),*
+                }
+            }
+
             /// The fewest bits that a value of this kind's sensors may have on the wire.
             pub fn least_bits(self) -> u64 {
                 match self {

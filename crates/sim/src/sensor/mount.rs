@@ -16,6 +16,8 @@ pub struct Mount {
     pub turret: Option<usize>,
     /// The height.
     pub height: Height,
+    /// The angle by which its rays rise above the horizon, in radians; level ones have none.
+    pub elevation_rad: Option<f64>,
 }
 
 impl Mount {
@@ -44,6 +46,14 @@ impl Mount {
 
     /// A look from there as far as `range_m`.
     pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Viewpoint<'a> {
+        let level = self.look_level(at, from, range_m);
+        match self.elevation_rad {
+            None => level,
+            Some(elevation_rad) => level.raised(elevation_rad),
+        }
+    }
+
+    fn look_level<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Viewpoint<'a> {
         let scene = at.scene;
         // A turret turns about the middle, so that its angle does not matter. Most sensors are settled by this, without a sine.
         if scene.is_in_own_disc(self.pose.position.coords) {

@@ -238,6 +238,7 @@ mod tests {
             pose: Pose::new(0.0, 0.0, 0.0),
             turret: None,
             height: Arena::new(vec![], vec![]).height(0.0),
+            elevation_rad: None,
         };
         let fan = Fan::new(4.178564, 682);
         let laser = Laser { mount, fan, min_m: 0.02, range_m: 5.6, sweep_ns: 66_503_900, clockwise: false };

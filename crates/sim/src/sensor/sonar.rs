@@ -99,6 +99,7 @@ baudbot_fields::rules! {
 impl Sense for Sonar {
     const NAME: &str = "sonar";
     const PLACE: Place = Place::Mounted;
+    const TILTS: bool = true;
     const STYLE: Style = Style::dot("#0072b2");
     const NO_CLOCK: Option<&str> = Some(TIMED_BY_PROCESSOR);
     type Sheet = Sheet;
@@ -111,6 +112,11 @@ impl Sense for Sonar {
             .wall_range_m
             .map(|range_m| path.within("wall_range_m", range_m.get(), max_m, 1e6))
             .transpose()?;
+        if wall_range_m.is_some() && fit.mount.elevation_rad.is_some() {
+            return Err(path
+                .field("elevation_rad")
+                .error("not with `wall_range_m`: small targets are those of level rays"));
+        }
         let device = Self {
             mount: fit.mount,
             fan: Fan::new(sheet.opening_rad.get(), sheet.rays.get().into()),

@@ -63,6 +63,7 @@ pub(crate) struct Sheet {
 impl Sense for VoltageRanger {
     const NAME: &str = "ir-voltage";
     const PLACE: Place = Place::Mounted;
+    const TILTS: bool = true;
     const STYLE: Style = Style::dot("#ee8800");
     type Sheet = Sheet;
     type Memory = ();

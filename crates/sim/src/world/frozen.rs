@@ -11,6 +11,7 @@ use crate::scenario::Scenario;
 use crate::scene::{Figure, Frozen, Scene, Sound};
 use crate::sensor::is_heard;
 use crate::surroundings::Lit;
+use crate::trail::Trails;
 
 impl World {
     pub(crate) fn frozen(&self) -> Frozen {
@@ -61,7 +62,7 @@ impl World {
             let strength = state.signal.clamp(0.0, 1.0);
             match actuator.kind {
                 _ if strength == 0.0 => {}
-                ActuatorKind::Turret(_) => {}
+                ActuatorKind::Turret(_) | ActuatorKind::Dispenser(_) => {}
                 ActuatorKind::Lamp(Lamp { intensity_cd, height_m }) => frozen.lights.push(Lit {
                     position: from,
                     height_m,
@@ -95,7 +96,7 @@ impl Figure {
 
 impl Scenario {
     /// The scene as robot `own` sees it.
-    pub(crate) fn scene<'a>(&'a self, frozen: &'a Frozen, own: usize) -> Scene<'a> {
-        Scene::new((&self.arena, &self.surroundings), frozen, own, self.robots[own].sensors.reach())
+    pub(crate) fn scene<'a>(&'a self, frozen: &'a Frozen, trails: &'a Trails, own: usize) -> Scene<'a> {
+        Scene::new((&self.arena, &self.surroundings), (frozen, trails), own, self.robots[own].sensors.reach())
     }
 }

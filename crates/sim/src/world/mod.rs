@@ -13,6 +13,8 @@ mod saved;
 mod score;
 mod spare;
 mod starts;
+mod timelines;
+mod trails;
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -27,10 +29,11 @@ use crate::model::RobotSpec;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::parallel;
-use crate::robot::{Recorder, Robot, Tick};
+use crate::robot::{Robot, Tick};
 use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
+use crate::trail::Trails;
 use crate::view::{RobotView, ThingView};
 pub use answer::Answer;
 pub use ending::Ending;
@@ -71,6 +74,8 @@ pub struct World {
     scenario: Arc<Scenario>,
     pub(crate) altered: Altered,
     state: State,
+    /// What robots have added to fields.
+    trails: Trails,
     /// The view of sensors in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Box<Frozen>>,
     ahead: Ahead,
@@ -126,6 +131,7 @@ impl World {
     pub fn memory_bytes(&self) -> usize {
         size_of::<Self>()
             + heap::of(&self.state)
+            + heap::of(&self.trails)
             + heap::of(&self.altered)
             + self.state.robots.iter().map(|robot| robot.unsaved_bytes()).sum::<usize>()
             + self.state.score.coverage().map_or(0, crate::coverage::Coverage::heap_bytes)
@@ -149,33 +155,26 @@ impl World {
         let (ahead, spare, seen) = (Ahead::default(), Spare::default(), None);
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
         let (origin, altered) = (Arc::clone(&scenario), Altered::default());
+        let trails = scenario.trails();
         let changes = |spec: &RobotSpec| spec.firmware.protocol.changes_baud();
         let may_change_baud = scenario.robots.iter().any(changes);
-        let mut world =
-            Self { origin, scenario, altered, state, seen, ahead, spare, is_parallel, may_change_baud };
+        let mut world = Self {
+            origin,
+            scenario,
+            altered,
+            state,
+            trails,
+            seen,
+            ahead,
+            spare,
+            is_parallel,
+            may_change_baud,
+        };
         world.keep_timeline(world.usual_timeline());
         for (robot, spec) in world.state.robots.iter_mut().zip(&world.scenario.robots) {
             robot.note_first_questions(spec);
         }
         world
-    }
-
-    /// Forgets the robots' timelines, and from now on keeps so many events of each robot's; 0 keeps none. Makes no
-    /// difference to anything else.
-    pub fn keep_timeline(&mut self, events: usize) {
-        for robot in &mut self.state.robots {
-            robot.recorder = Recorder::new(events, robot.lost());
-        }
-    }
-
-    /// The number of events of each robot's timeline that a new world keeps.
-    pub fn usual_timeline(&self) -> usize {
-        TIMELINE_EVENTS / self.state.robots.len().clamp(16, 1024)
-    }
-
-    /// Keeps the last so many events of each robot's timeline, from now on. Makes no difference to anything else.
-    pub fn resize_timeline(&mut self, events: usize) {
-        self.state.robots.iter_mut().for_each(|robot| robot.recorder.timeline.set_room(events));
     }
 
     /// Whether ticks use all threads of the rayon pool that they are called in, where there are enough robots for it.
@@ -201,9 +200,9 @@ impl World {
             steps.clear();
             steps.resize(self.state.robots.len(), None);
             let (now, end, ended) = (self.time(), self.tick_end(), self.state.ending.is_some());
-            let scenario = &*self.scenario;
+            let (scenario, trails) = (&*self.scenario, &self.trails);
             parallel::each(self.is_parallel, &mut self.state.robots, &mut steps, |own, robot, step| {
-                let scene = scenario.scene(&frozen, own);
+                let scene = scenario.scene(&frozen, trails, own);
                 let tick = Tick {
                     scene: &scene,
                     noise: scenario.noise,
@@ -239,8 +238,8 @@ impl World {
         }
         let frozen = self.seen.take().unwrap_or_else(|| Box::new(self.frozen()));
         let (start, end) = (self.time(), self.tick_end());
-        let Self { scenario, state, spare, ahead, is_parallel, .. } = self;
-        let scenario = &**scenario;
+        let Self { scenario, state, trails, spare, ahead, is_parallel, .. } = self;
+        let (scenario, trails) = (&**scenario, &*trails);
         spare.note_steps(&state.turns, state.robots.len());
         spare.inputs_by_robot.note(inputs.iter().map(|input| answer(input).robot), state.robots.len());
         let tick = state.tick;
@@ -258,7 +257,7 @@ impl World {
                 robot.step_over(spec, at);
             }
             robot.send_written(spec, step.unwrap_or(start));
-            let scene = scenario.scene(&frozen, own);
+            let scene = scenario.scene(&frozen, trails, own);
             let tick = Tick { scene: &scene, noise: scenario.noise, start, end, substeps: scenario.substeps };
             robot.advance(spec, &tick, end, None);
             robot.lay_down_command(spec);
@@ -267,6 +266,7 @@ impl World {
         });
         self.spare.frozen = Some(frozen);
         self.move_all();
+        self.scenario.pass_trails(&mut self.trails, &self.state.robots, &mut self.spare.rows);
         self.state.tick += 1;
         self.state.begun = false;
         self.change_bauds();
@@ -386,13 +386,14 @@ impl World {
 
     /// A fingerprint of the whole state: equal for equal bits, on every machine.
     pub fn hash(&self) -> u64 {
-        if self.altered.is_empty() { hash::of(&self.state) } else { hash::of(&(&self.state, &self.altered)) }
+        match (self.altered.is_empty(), self.trails.is_empty()) {
+            (true, true) => hash::of(&self.state),
+            (false, true) => hash::of(&(&self.state, &self.altered)),
+            (_, false) => hash::of(&(&self.state, &self.altered, &self.trails)),
+        }
     }
 }
 
 /// The number of robots from which on several threads move them, if there are any: the work of a tick is then well
 /// above what it costs to call them.
 const CROWD: usize = 256;
-
-/// Events that a world keeps of all its robots' timelines together, by default.
-const TIMELINE_EVENTS: usize = 1 << 16;

@@ -46,7 +46,12 @@ impl World {
     /// The state by value. It has all that makes the future; the robots' timelines, which are of the past, are left out.
     pub fn save(&self) -> Vec<u8> {
         // The serialisation cannot fail, as with the hash.
-        postcard::to_allocvec(&(&self.state, &self.altered)).expect("the state's types serialise")
+        let saved = if self.trails.is_empty() {
+            postcard::to_allocvec(&(&self.state, &self.altered))
+        } else {
+            postcard::to_allocvec(&(&self.state, &self.altered, &self.trails))
+        };
+        saved.expect("the state's types serialise")
     }
 
     /// The world of this scenario in a state that was saved, of which [`hash`](Self::hash) was `hash`.
@@ -57,10 +62,11 @@ impl World {
         let (state, rest): ((State, Altered), _) =
             postcard::take_from_bytes(saved).map_err(SavedError::Unreadable)?;
         let (state, altered) = state;
+        let mut world = Self::new(scenario);
+        let rest = if world.trails.is_empty() { rest } else { world.load_trails(rest)? };
         if !rest.is_empty() {
             return Err(SavedError::Other("parts"));
         }
-        let mut world = Self::new(scenario);
         if state.tick > LAST_NS / world.scenario.step_ns.max(1) {
             return Err(SavedError::Unsound("tick"));
         }
@@ -76,6 +82,14 @@ impl World {
             robot.recorder = recorder;
         }
         if world.hash() == hash { Ok(world) } else { Err(SavedError::Hash) }
+    }
+
+    /// Takes over trails that were saved; the bytes behind them are left.
+    fn load_trails<'a>(&mut self, saved: &'a [u8]) -> Result<&'a [u8], SavedError> {
+        let (trails, rest) = postcard::take_from_bytes(saved).map_err(SavedError::Unreadable)?;
+        sound(self.scenario.has_trails(&trails), "trails")?;
+        self.trails = trails;
+        Ok(rest)
     }
 
     /// Whether this world, which is at its start, may come to that state: there is of everything as much as in this one,

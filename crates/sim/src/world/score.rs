@@ -111,7 +111,7 @@ impl World {
         let frozen = self.frozen();
         for (own, sensor) in scenario.rules.sensed_by.iter().enumerate() {
             let Some(sensor) = sensor else { continue };
-            let scene = scenario.scene(&frozen, own);
+            let scene = scenario.scene(&frozen, self.trails(), own);
             let device = &scenario.robots[own].sensors[*sensor].device;
             let (Some(mount), Some(range_m), Some(fan)) = (device.mount(), device.range_m(), device.fan())
             else {

@@ -14,6 +14,8 @@ use crate::time::SimTime;
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     pub(super) frozen: Option<Box<Frozen>>,
+    /// Rows of trails as they were before the step.
+    pub(super) rows: [Vec<f64>; 2],
     pub(super) lists: Option<Box<Lists>>,
     /// The instants at which each robot's brain steps in the tick, if it does.
     pub(super) steps: Vec<Option<SimTime>>,

@@ -64,6 +64,7 @@ name = "scent"
 background = 0.1
 slope_per_m = [0.02, -0.01]
 sources = [{ x_m = 1.0, y_m = 0.0, strength = 2.0, width_m = 0.7 }]
+trail = { corner_m = [-3.0, -3.0], size_m = [6.0, 6.0], cell_m = 0.1, decay_s = 30.0, diffusion_m2_s = 0.01 }
 [[arena.movers]]
 name = "door"
 outline_m = [[0.0, -0.02], [0.8, -0.02], [0.8, 0.02], [0.0, 0.02]]
@@ -127,6 +128,10 @@ height_m = 0.4
 [robots.actuators.voice]
 kind = "speaker"
 level = 1.5
+[robots.actuators.gland]
+kind = "dispenser"
+field = "scent"
+rate_per_s = 0.5
 [robots.sensors.ir]
 kind = "ir"
 bearing_rad = 0.3
@@ -309,6 +314,7 @@ noise = { spikes = { probability = 0.1, magnitude = 1.0 } }
 bits = 12
 [robots.sensors.microphone]
 kind = "microphone"
+axis_rad = 0.7
 max = 10.0
 noise = { additive = 0.01 }
 bits = 12
@@ -371,7 +377,7 @@ pub(crate) fn act(world: &mut World, ticks: usize) {
             let wave = ((i / 20 + spec.name.len()) % 3) as f64 - 1.0;
             crate::devices::scene::signals(
                 spec,
-                &[0.5, 0.4 * wave, wave, 0.7, 0.5][..2 + spec.actuators.len()],
+                &[0.5, 0.4 * wave, wave, 0.7, 0.5, 0.6][..2 + spec.actuators.len()],
             )
         };
         let bytes: Vec<_> = turns.iter().map(answer).collect();

@@ -5,6 +5,7 @@
 mod actuators;
 mod arena;
 mod dialogues;
+mod elevation;
 mod encoders;
 mod hostile;
 mod inertial;

@@ -315,6 +315,28 @@ fn actuators_and_batteries() {
         &actuator("kind = \"speaker\"\nlevel = 0.0"),
         "robots[0].actuators.a.level: must be positive, is 0",
     );
+    refused(
+        &actuator("kind = \"dispenser\"\nfield = \"scent\"\nrate_per_s = 1.0"),
+        "robots[0].actuators.a.field: the arena has no field `scent` with a `trail`; there are: none",
+    );
+    let trail = |fields: &str| {
+        scene(
+            &format!(
+                "[[arena.fields]]\nname = \"scent\"\ntrail = {{ corner_m = [0, 0], size_m = [10, 10], {fields} }}\n"
+            ),
+            "",
+            "",
+        )
+    };
+    refused(
+        &trail("cell_m = 0.001"),
+        "arena.fields[0].trail.cell_m: makes 10000 by 10000 cells, each 1 times a tick",
+    );
+    refused(
+        &trail("diffusion_m2_s = 100.0"),
+        "arena.fields[0].trail.cell_m: makes 200 by 200 cells, each 1600 times a tick",
+    );
+    refused(&trail("decay_s = 0.0"), "arena.fields[0].trail.decay_s: must be positive, is 0");
     let battery = |fields: &str| {
         scene("", &format!("battery = {{ nominal_v = 12.0, capacity_mah = 1000.0, {fields} }}"), "")
     };

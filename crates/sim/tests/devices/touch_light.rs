@@ -319,6 +319,52 @@ fn a_band_passes_what_is_in_it_and_a_quarter_an_octave_away() {
     assert_eq!(heard(band, ""), 1.0, "a noise has all frequencies");
 }
 
+/// §1.2.3: two of them, turned away from each other, tell left from right, as the moth's ears do (§5.1).
+#[test]
+fn a_cardioid_hears_what_is_before_it_and_not_what_is_behind() {
+    for (axis_rad, share) in [
+        ("0.0", 1.0),
+        ("1.5707963267948966", 0.5),
+        ("-1.5707963267948966", 0.5),
+        ("3.141592653589793", 0.0),
+        ("1.0471975511965976", 0.75),
+    ] {
+        near(heard(&format!("\naxis_rad = {axis_rad}"), ""), share);
+    }
+}
+
+/// §4.4.2, pheromone trails: what is laid down is there, and fades.
+#[test]
+fn a_dispenser_lays_down_its_rate_and_the_trail_fades() {
+    let arena = "[[arena.fields]]\nname = \"trail\"\nbackground = 2.0\n\
+                 trail = { corner_m = [-1.0, -1.0], size_m = [2.0, 2.0], cell_m = 0.5, decay_s = 4.0 }\n";
+    let robot = "[robots.actuators.gland]\nkind = \"dispenser\"\nfield = \"trail\"\nrate_per_s = 3.0\n";
+    let nose = named("s", "kind = \"field\"\nfield = \"trail\"\nmount = {}");
+    let text = scene(arena, "start = { x_m = 0.25, y_m = 0.25 }", &format!("{robot}{nose}"));
+    let mut world = world(&text);
+    let step_s = world.scenario().step_ns as f64 * 1e-9;
+    let mut expected = 0.0;
+    for (signal, ticks) in [(1.0, 50), (0.5, 50), (-1.0, 50)] {
+        for _ in 0..ticks {
+            tick_of(&mut world, "r", &[0.0, 0.0, signal]);
+            // A cell has 0.25 m².
+            expected = expected * (-step_s / 4.0).exp() + 3.0 * signal.max(0.0) * step_s / 0.25;
+        }
+    }
+    world.begin();
+    near(view(&world, "s").sample[0], 2.0 + expected);
+    // A snapshot goes on as the world does, and a state by value, too.
+    world.finish(&[]);
+    let mut copy = world.clone();
+    let mut loaded = World::load(world.scenario().clone(), &world.save(), world.hash()).unwrap();
+    for world in [&mut world, &mut copy, &mut loaded] {
+        (0..20).for_each(|_| tick_of(world, "r", &[0.0, 0.0, 1.0]));
+    }
+    assert_eq!([copy.hash(), loaded.hash()], [world.hash(); 2]);
+    let other = World::new(world.scenario().clone());
+    assert_ne!(other.hash(), world.hash());
+}
+
 const TONES: &str = include_str!("../../../../catalogue/scenarios/devices/tones.toml");
 
 /// How far alice and bob are from each other after a minute in which all call, and these two go on while they hear less than 1.

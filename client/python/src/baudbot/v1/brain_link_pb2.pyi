@@ -91,6 +91,8 @@ class _ActuatorKindEnumTypeWrapper(_enum_type_wrapper._EnumTypeWrapper[_Actuator
     """Lamp; signal 1 is full brightness, 0 and below is off."""
     ACTUATOR_KIND_SPEAKER: _ActuatorKind.ValueType  # 3
     """Speaker; signal 1 is full volume, 0 and below is off."""
+    ACTUATOR_KIND_DISPENSER: _ActuatorKind.ValueType  # 4
+    """Dispenser of scent; signal 1 is the full rate, 0 and below is off."""
 
 class ActuatorKind(_ActuatorKind, metaclass=_ActuatorKindEnumTypeWrapper):
     """Kind of actuator besides the wheels."""
@@ -105,6 +107,8 @@ ACTUATOR_KIND_LAMP: ActuatorKind.ValueType  # 2
 """Lamp; signal 1 is full brightness, 0 and below is off."""
 ACTUATOR_KIND_SPEAKER: ActuatorKind.ValueType  # 3
 """Speaker; signal 1 is full volume, 0 and below is off."""
+ACTUATOR_KIND_DISPENSER: ActuatorKind.ValueType  # 4
+"""Dispenser of scent; signal 1 is the full rate, 0 and below is off."""
 Global___ActuatorKind: _TypeAlias = ActuatorKind  # noqa: Y015
 
 class _SensorKind:

@@ -104,7 +104,7 @@ fn laser() -> impl Strategy<Value = Laser> {
             // The arena gives it its layer.
             let height = Arena::new(vec![], vec![]).height(0.2);
             Laser {
-                mount: Mount { pose, turret: on_turret.then_some(0), height },
+                mount: Mount { pose, turret: on_turret.then_some(0), height, elevation_rad: None },
                 fan: Fan::new(opening_rad, rays),
                 min_m: 0.0,
                 range_m,
@@ -163,7 +163,8 @@ proptest! {
         let mut frozen = Frozen::default();
         frozen.crowd.rebuild(bodies.iter().map(|figure| figure.disc));
         frozen.bodies = bodies;
-        let scene = Scene::new((&arena, &surroundings), &frozen, 0, None);
+        let (frozen, trails) = (&frozen, Vec::new());
+        let scene = Scene::new((&arena, &surroundings), (frozen, &trails), 0, None);
         let motion = drive.place(robot, speed_m_s, turn_rate_rad_s);
         let actuators = [ActuatorState { signal: 0.0, pulse: 0.0, angle_rad: turret_rad }];
         // A scan that may have begun before the tick, of which some rays are taken.
