@@ -240,7 +240,7 @@ fn eaten(predator: &str) -> usize {
     (1..=6).filter(is_eaten).count()
 }
 
-/// §4.4.2, *M. xanthus*: prey that is 80 times as fast comes by itself, and without the lure it does not.
+/// §4.4.2, *M. xanthus*: prey that is 60 times as fast comes by itself, and without the lure it does not.
 #[test]
 fn a_slow_predator_eats_quick_prey_by_a_scent() {
     let (lured, not_lured) = (eaten("xanthus"), eaten("xanthus:actuators.gland.bias=0"));

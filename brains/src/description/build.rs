@@ -152,12 +152,6 @@ impl<'a> Names<'a> {
                 )
             })?;
             let weights = Self::numbers(&format!("{path}.weights"), &self.variables, &output.weights)?;
-            if let Some(number) = weights.iter().chain([&output.bias]).find(|number| !number.is_finite()) {
-                return Err(DescriptionError::new(
-                    path,
-                    format!("its numbers must be finite, one is {number}"),
-                ));
-            }
             outputs[place] = Output { bias: output.bias, weights };
         }
         Ok(outputs)

@@ -1,6 +1,6 @@
 //! Descriptions and their effects, and the errors of some.
 
-use baudbot_brain::{Body, Brain, Signals};
+use baudbot_brain::{Actuator, ActuatorKind, Body, Brain, Signals};
 use serde::Deserialize;
 
 use super::*;
@@ -502,4 +502,31 @@ fn errors_of_the_internal_state_name_the_field_and_the_fix() {
         ),
         "decision.reservoirs[0].releaser: there is no state variable `red`; there are: hunger, thirst"
     );
+}
+
+#[test]
+fn actuators_besides_the_wheels_get_a_bias_and_a_weighted_sum_within_one() {
+    let toml = "[state_variables.near]\nof = [\"ir_left\", \"ir_right\"]\nby = \"max\"\n[motor.stand]\nkind = \"constant\"\n\
+                [actuators.horn]\nbias = -0.25\nweights = { near = 2.0 }\n";
+    let mut robot = eyes();
+    robot.actuators = ["lamp", "horn"]
+        .map(|name| Actuator { name: name.to_owned(), kind: ActuatorKind::Speaker, range_rad: None })
+        .to_vec();
+    let built = |toml: &str| {
+        Description::parse(toml).and_then(|parsed| parsed.brain(1, &robot, &Registry::standard()))
+    };
+    for (near, horn) in [(0.0, -0.25), (0.5, 0.75), (1.0, 1.0)] {
+        let action = built(toml).unwrap().step(&turn(&robot, 0, &[Some(&[near]), Some(&[0.0])]));
+        assert_eq!(action.others, [0.0, horn], "{near}");
+    }
+    let error = |from: &str, to: &str| built(&toml.replace(from, to)).map(drop).unwrap_err().to_string();
+    assert_eq!(
+        error("actuators.horn", "actuators.bell"),
+        "actuators.bell: the robot has no actuator `bell`; there are: lamp, horn"
+    );
+    assert_eq!(
+        error("{ near = 2", "{ far = 2"),
+        "actuators.horn.weights.far: there is no `far`; there are: near"
+    );
+    assert_eq!(error("bias = -0.25", "bias = nan"), "actuators.horn.bias: must be finite, is NaN");
 }

@@ -116,6 +116,12 @@ impl<'a> Bundle<'a> {
         self.pose
     }
 
+    /// No ray starts farther from the pose, in metres.
+    #[must_use]
+    pub fn stray_m(&self) -> f64 {
+        self.stray_m
+    }
+
     /// The fan that the rays are of.
     #[must_use]
     pub fn fan(&self) -> &'a Fan {

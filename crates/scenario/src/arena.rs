@@ -244,12 +244,9 @@ pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Ar
     }
     let mut pillars = Vec::new();
     for (i, circle) in raw.circles.iter().enumerate() {
-        let name = names.take(&path.field("circles").index(i).field("name"), &circle.name)?;
-        let look = raised(
-            look(circle.height_m, circle.color),
-            &path.field("circles").index(i),
-            circle.lower_edge_m,
-        )?;
+        let path = path.field("circles").index(i);
+        let name = names.take(&path.field("name"), &circle.name)?;
+        let look = raised(look(circle.height_m, circle.color), &path, circle.lower_edge_m)?;
         pillars.push(Pillar { name, circle: disc(circle.x_m, circle.y_m, circle.radius_m), look });
     }
     Ok(Arena::new(polygons, pillars))

@@ -208,5 +208,10 @@ fn sensed_by(path: &Path, name: &str, robots: &[RobotSpec]) -> Result<Vec<Option
     if places.iter().all(Option::is_none) {
         return Err(path.field("sensed_by").error(format!("no robot has a sensor `{name}` with rays")));
     }
+    let mut chosen = robots.iter().zip(&places).filter_map(|(robot, place)| robot.sensors.get((*place)?));
+    if chosen.any(|sensor| sensor.device.mount().is_some_and(|mount| mount.elevation_rad.is_some())) {
+        let problem = format!("the rays of `{name}` have an elevation; coverage is that of level rays");
+        return Err(path.field("sensed_by").error(problem));
+    }
     Ok(places)
 }

@@ -23,7 +23,7 @@ use baudbot_sim::battery::Battery;
 use baudbot_sim::link::Link;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::port::{Format, Port};
-use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor};
+use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor, SensorKind};
 use baudbot_sim::surroundings::Surroundings;
 use raw::COMMON;
 pub(super) use raw::Common;
@@ -100,10 +100,9 @@ fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'
         Place::Rim => place::centre(path, &mut table, context)?,
     };
     if mount.elevation_rad.is_some() && !common.kind.tilts() {
-        let problem = format!(
-            "a sensor of kind `{}` has none: it is for `sonar`, `laser`, `ir` and `ir-voltage`",
-            common.kind.name()
-        );
+        let others = SensorKind::ALL.iter().filter(|kind| kind.tilts()).map(|kind| kind.name());
+        let others = others.collect::<alloc::vec::Vec<_>>().join("`, `");
+        let problem = format!("a sensor of kind `{}` has none; these have: `{others}`", common.kind.name());
         return Err(path.field("elevation_rad").error(problem));
     }
     let (battery, surroundings) = (context.battery, context.surroundings);

@@ -281,7 +281,7 @@ impl Viewpoint<'_> {
             None => self.fill(Sweep::of_bundle(bundle, self.around.radius, distances_m)),
             Some(rise) => {
                 let rays = (0..distances_m.len()).map(|i| bundle.ray(i));
-                self.blocks_within(MOST_STRAY_M).each(rays, rise, distances_m);
+                self.blocks_within(bundle.stray_m()).each(rays, rise, distances_m);
             }
         }
     }
@@ -374,9 +374,6 @@ impl Viewpoint<'_> {
 fn reaches(radius_m: f64, out: Vector) -> bool {
     out.norm_squared() <= (radius_m + TOUCHING_M) * (radius_m + TOUCHING_M)
 }
-
-/// The rays of a bundle start nearer to its pose than this, in metres.
-const MOST_STRAY_M: f64 = 10.0;
 
 /// An eye this close to its body's rim, or to a wall, is on it: it is not in it, or behind.
 const TOUCHING_M: f64 = 1e-9;

@@ -112,6 +112,11 @@ impl Sense for Sonar {
             .wall_range_m
             .map(|range_m| path.within("wall_range_m", range_m.get(), max_m, 1e6))
             .transpose()?;
+        if sheet.cross_talk && fit.mount.elevation_rad.is_some() {
+            return Err(path
+                .field("elevation_rad")
+                .error("not with `cross_talk`: pulses are heard along level rays"));
+        }
         if wall_range_m.is_some() && fit.mount.elevation_rad.is_some() {
             return Err(path
                 .field("elevation_rad")

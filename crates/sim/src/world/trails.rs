@@ -40,6 +40,9 @@ impl Scenario {
 
     /// Lets trails spread and fade for a tick, and adds what the robots lay down in it.
     pub(crate) fn pass_trails(&self, trails: &mut Trails, robots: &[Robot], rows: &mut [Vec<f64>; 2]) {
+        if trails.is_empty() {
+            return;
+        }
         let dt_s = self.step_ns as f64 * 1e-9;
         for (field, cells) in self.surroundings.fields.iter().zip(trails.iter_mut()) {
             if let Some(grid) = &field.trail {

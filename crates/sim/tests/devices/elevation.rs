@@ -163,6 +163,16 @@ fn a_wrong_elevation_is_refused() {
         "elevation_rad: not with `wall_range_m`",
     );
     refused(
+        &with_sensor("", &format!("{}\ncross_talk = true", sonar(0.3, "elevation_rad = 0.1\n"))),
+        "elevation_rad: not with `cross_talk`",
+    );
+    let sensed = "[metrics]\ncell_m = 0.1\nsensed_by = \"s\"\n[[arena.polygons]]\nname = \"room\"\nsolid = false\n\
+                  points_m = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]\n";
+    refused(
+        &with_sensor(sensed, &sonar(0.3, "elevation_rad = 0.1\n")),
+        "metrics.sensed_by: the rays of `s` have an elevation",
+    );
+    refused(
         &with_sensor("", "kind = \"light\"\nbearing_rad = 0.0\nrange_lux = 100.0\nelevation_rad = 0.1"),
         "elevation_rad: a sensor of kind `light` has none",
     );
