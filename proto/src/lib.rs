@@ -4,6 +4,8 @@
 //! tools can be given those files. The feature `services` (a default) adds the services' clients and servers to the messages,
 //! `brain` adds `convert`, between the contract and what a brain sees and does.
 
+#[cfg(test)]
+mod comment_tests;
 #[cfg(feature = "brain")]
 pub mod convert;
 

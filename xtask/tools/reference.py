@@ -32,9 +32,9 @@ Brains, operators, observers and trainers speak gRPC with a server: the package 
 comments in `proto/baudbot/v1`; the messages and their fields are described there. The contract only grows within a major version.
 
 A brain opens one stream, `Attach`. It sends a `Hello` that names its world and its robots, and gets a `Welcome` with their data sheets. Then
-each `Turn` of the server takes a `Step` of the brain ([timing](../explanation/timing.md#turn-and-step)). Which token a call needs is in
-[trust](trust.md#what-a-right-allows). Clients: [Rust](brains.md#in-python-rust-and-typescript), [Python](../../client/python/README.md),
-[TypeScript](../../examples/typescript/README.md); any other language makes its own of the files.
+each `Turn` of the server takes a `Step` of the brain ([timing](../explanation/timing.md#turn-and-step)). [A brain in any
+language](../how-to/any-language.md) has a whole exchange, and an example in each of eight languages. Which token a call needs is in
+[trust](trust.md#what-a-right-allows).
 
 """
 PRESETS = """# All presets
@@ -54,6 +54,8 @@ KINDS = {
     "adapter": ("Adapters", "For `[robots.link.adapter]`, and the `port.link.adapter` of a sensor; only in a link of kind `uart`."),
     "battery": ("Batteries", "For `[robots.battery]`."),
 }
+# The most words in a cell of the table of calls.
+LONGEST_CELL = 60
 # Their tables are generated, and what is around them is written.
 SCENARIOS = ("scenario.md", "actuators.md", "sensors.md")
 # What all commands have, once.
@@ -120,13 +122,30 @@ def contract():
     text = CONTRACT
     for file in sorted((ROOT / "proto/baudbot/v1").glob("*.proto")):
         for service in re.finditer(r"((?:^//[^\n]*\n)*)^service (\w+) \{\n(.*?)^\}", file.read_text(), re.M | re.S):
-            text += f"## {service[2]}\n\n{words(service[1])} File: [{file.name}](../../proto/baudbot/v1/{file.name}).\n\n"
-            text += "| call | what it does |\n|---|---|\n"
+            about = "\n\n".join(paragraphs(service[1]))
+            text += f"## {service[2]}\n\n{about} File: [{file.name}](../../proto/baudbot/v1/{file.name}).\n\n"
+            text += "| call | what it does | errors |\n|---|---|---|\n"
+            more = ""
             for call in re.finditer(r"((?:^ +//.*\n)*)^ +rpc (\w+)\((stream )?\w+\) returns \((stream )?", service[3], re.M):
                 streams = " (a stream)" if call[3] or call[4] else ""
-                text += f"| `{call[2]}`{streams} | {words(call[1])} |\n"
-            text += "\n"
+                first, *others = paragraphs(call[1])
+                what, errors = re.match(r"(.*?)((?: [A-Z_]{5,}: .*)?)$", first).groups()
+                for cell in (what, errors):
+                    if len(cell.split()) > LONGEST_CELL:
+                        sys.exit(f"{file.name}: the first paragraph of {call[2]} is too long for a table: begin another one")
+                text += f"| `{call[2]}`{streams} | {what} | {errors.strip()} |\n"
+                if others:
+                    more += f"### {call[2]}\n\n" + "\n\n".join(map(listed, others)) + "\n\n"
+            text += "\n" + more
     return text.rstrip() + "\n"
+
+
+def listed(paragraph):
+    """A paragraph; errors in a list, with the occasions of each in brackets."""
+    if not paragraph.startswith("Errors: "):
+        return paragraph
+    errors = re.findall(r"([A-Z_]{5,}) \((.*?)\)(?=, [A-Z_]{5,} \(|\.$)", paragraph)
+    return "Errors:\n\n" + "\n".join(f"- {code}: {occasion}" for code, occasion in errors)
 
 
 def scenarios():
@@ -138,10 +157,11 @@ def scenarios():
     return pages
 
 
-def words(comment):
-    """The text of a comment, on one line."""
-    lines = (line.strip().removeprefix("//").strip() for line in comment.splitlines())
-    return " ".join(filter(None, lines)).replace("|", "\\|")
+def paragraphs(comment):
+    """The paragraphs of a comment, each on one line."""
+    lines = [line.strip().removeprefix("//").strip() for line in comment.splitlines()]
+    parts = re.split(r"\n\n+", "\n".join(lines))
+    return [" ".join(part.split()).replace("|", "\\|") for part in parts if part.strip()]
 
 
 def main():

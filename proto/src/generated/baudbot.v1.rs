@@ -3665,10 +3665,11 @@ pub mod attach_response {
 /// Identifies the brain and the robots to attach it to.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Hello {
-    /// Name of the world.
+    /// Name of the world; a program that a run has started finds it in BAUDBOT_WORLD.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Names of the robots, at least one. Turns and Steps refer to a robot by its index in this list, from 0.
+    /// Names of the robots, at least one; a program that a run has started finds them in BAUDBOT_ROBOT, with commas between
+    /// them. Turns and Steps refer to a robot by its index in this list, from 0.
     #[prost(string, repeated, tag = "2")]
     pub robots: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// Port mode, the same for all robots of the stream.
@@ -3678,11 +3679,11 @@ pub struct Hello {
     #[prost(string, tag = "4")]
     pub brain: ::prost::alloc::string::String,
     /// Memory that the program's variables need on each robot, in bytes. Allowed only for robots whose brain runs on board
-    /// (see RobotDescription.onboard); otherwise INVALID_ARGUMENT.
+    /// (see RobotDescription.onboard); otherwise INVALID_ARGUMENT. Absent: not stated.
     #[prost(uint64, optional, tag = "5")]
     pub memory_bytes: ::core::option::Option<u64>,
-    /// Promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns nor
-    /// operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
+    /// True: a promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns
+    /// nor operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
     /// answer cannot affect yet. A Step that breaks the promise ends the stream (FAILED_PRECONDITION).
     #[prost(bool, tag = "6")]
     pub thinks_as_scenario: bool,
@@ -4004,7 +4005,7 @@ pub mod firmware {
         Asercom(Asercom),
     }
 }
-/// Opportunity for a step: what has arrived since the last one, and the time.
+/// Opportunity for a step: what has arrived since the last one, and the time. While a world is paused there are no Turns.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Turn {
     /// Number of the tick. It decreases when the world is reset or a snapshot is restored.
@@ -4059,7 +4060,8 @@ pub struct RobotTurn {
     pub baud: ::core::option::Option<u32>,
     /// MESSAGES mode: true if a complete, valid message of readings has arrived from the microcontroller since the last
     /// step. It may contain no new reading: a firmware that is polled more often than its sensors sample sends such
-    /// answers, and must be polled again.
+    /// answers, and must be polled again. Answer what is readable, not each Turn: a command without news behind it only
+    /// fills the cable.
     #[prost(bool, tag = "8")]
     pub has_message: bool,
 }
@@ -4123,7 +4125,7 @@ pub struct RobotStep {
     #[prost(uint64, optional, tag = "2")]
     pub thinking_ns: ::core::option::Option<u64>,
     /// For a robot whose brain runs on board, in place of thinking_ns: operations that its program executed.
-    /// RobotDescription.operations_per_s gives the time that they take.
+    /// RobotDescription.operations_per_s gives the time that they take. Absent: the time given in the scenario.
     #[prost(uint64, optional, tag = "6")]
     pub operations: ::core::option::Option<u64>,
     /// Wait for the next message: the robot gets no Turn before then. Absent: a Turn at each step. It has an effect only
@@ -4171,7 +4173,7 @@ pub struct UntilMessage {
     pub at_latest_ns: ::core::option::Option<u64>,
 }
 /// Signals for the motors and other actuators. For the wheels, 1 is full voltage or full speed forwards, and negative
-/// values are backwards; RobotDescription.signal_limit is the largest magnitude.
+/// values are backwards; RobotDescription.signal_limit is the largest magnitude. All signals are finite numbers.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Command {
     /// Signal for the left motor.
@@ -4223,7 +4225,7 @@ pub struct Belief {
     /// Further poses considered possible, as of a particle filter.
     #[prost(message, repeated, tag = "4")]
     pub particles: ::prost::alloc::vec::Vec<Particle>,
-    /// Planned path.
+    /// Planned path, as positions one after the other. Empty: none.
     #[prost(message, repeated, tag = "5")]
     pub path: ::prost::alloc::vec::Vec<Point>,
     /// Map of the world. Absent: no map.
@@ -4593,6 +4595,9 @@ pub mod brain_link_service_client {
     use tonic::codegen::http::Uri;
     /// For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     /// real laptop could not get from a real cable.
+    ///
+    /// Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    /// has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     #[derive(Debug, Clone)]
     pub struct BrainLinkServiceClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -4666,10 +4671,12 @@ pub mod brain_link_service_client {
         /// right `drive` for each of these robots.
         ///
         /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-        /// brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-        /// brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-        /// an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-        /// closes the other side.
+        /// brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+        /// the world waits for that Step; at other paces a brain may send Steps at any time.
+        ///
+        /// When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+        /// If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+        /// that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
         ///
         /// Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
         /// NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
@@ -4733,10 +4740,12 @@ pub mod brain_link_service_server {
         /// right `drive` for each of these robots.
         ///
         /// The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-        /// brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-        /// brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-        /// an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-        /// closes the other side.
+        /// brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+        /// the world waits for that Step; at other paces a brain may send Steps at any time.
+        ///
+        /// When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+        /// If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+        /// that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
         ///
         /// Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
         /// NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
@@ -4757,6 +4766,9 @@ pub mod brain_link_service_server {
     }
     /// For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     /// real laptop could not get from a real cable.
+    ///
+    /// Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    /// has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     #[derive(Debug)]
     pub struct BrainLinkServiceServer<T> {
         inner: Arc<T>,
@@ -4955,7 +4967,7 @@ pub struct DescribeWorldResponse {
     /// Zones of the floor, in the order of the scenario.
     #[prost(message, repeated, tag = "8")]
     pub zones: ::prost::alloc::vec::Vec<Zone>,
-    /// Fixed lamps.
+    /// Lamps that stand still in the arena.
     #[prost(message, repeated, tag = "9")]
     pub lights: ::prost::alloc::vec::Vec<Light>,
     /// Scalar fields over the plane, such as the strength of a scent.

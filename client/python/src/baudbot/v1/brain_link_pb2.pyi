@@ -342,18 +342,18 @@ class Hello(_message.Message):
     STOP_WHEN_GONE_FIELD_NUMBER: _builtins.int
     SERIAL_PORT_FIELD_NUMBER: _builtins.int
     world: _builtins.str
-    """Name of the world."""
+    """Name of the world; a program that a run has started finds it in BAUDBOT_WORLD."""
     mode: Global___PortMode.ValueType
     """Port mode, the same for all robots of the stream."""
     brain: _builtins.str
     """Name of the program for display: one line of at most 64 characters without control characters."""
     memory_bytes: _builtins.int
     """Memory that the program's variables need on each robot, in bytes. Allowed only for robots whose brain runs on board
-    (see RobotDescription.onboard); otherwise INVALID_ARGUMENT.
+    (see RobotDescription.onboard); otherwise INVALID_ARGUMENT. Absent: not stated.
     """
     thinks_as_scenario: _builtins.bool
-    """Promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns nor
-    operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
+    """True: a promise that each Step has a part for every robot of its Turn and for no other, and sets neither thinking_ns
+    nor operations. The server then knows the thinking time in advance, and in lockstep finishes ticks that the pending
     answer cannot affect yet. A Step that breaks the promise ends the stream (FAILED_PRECONDITION).
     """
     stop_when_gone: _builtins.bool
@@ -370,7 +370,9 @@ class Hello(_message.Message):
     """
     @_builtins.property
     def robots(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
-        """Names of the robots, at least one. Turns and Steps refer to a robot by its index in this list, from 0."""
+        """Names of the robots, at least one; a program that a run has started finds them in BAUDBOT_ROBOT, with commas between
+        them. Turns and Steps refer to a robot by its index in this list, from 0.
+        """
 
     def __init__(
         self,
@@ -1118,7 +1120,7 @@ Global___Firmware: _TypeAlias = Firmware  # noqa: Y015
 
 @_typing.final
 class Turn(_message.Message):
-    """Opportunity for a step: what has arrived since the last one, and the time."""
+    """Opportunity for a step: what has arrived since the last one, and the time. While a world is paused there are no Turns."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -1211,7 +1213,8 @@ class RobotTurn(_message.Message):
     has_message: _builtins.bool
     """MESSAGES mode: true if a complete, valid message of readings has arrived from the microcontroller since the last
     step. It may contain no new reading: a firmware that is polled more often than its sensors sample sends such
-    answers, and must be polled again.
+    answers, and must be polled again. Answer what is readable, not each Turn: a command without news behind it only
+    fills the cable.
     """
     @_builtins.property
     def readings(self) -> _containers.RepeatedCompositeFieldContainer[Global___Reading]:
@@ -1388,7 +1391,7 @@ class RobotStep(_message.Message):
     """RAW mode: bytes for the robot's cable."""
     operations: _builtins.int
     """For a robot whose brain runs on board, in place of thinking_ns: operations that its program executed.
-    RobotDescription.operations_per_s gives the time that they take.
+    RobotDescription.operations_per_s gives the time that they take. Absent: the time given in the scenario.
     """
     opened: _builtins.bool
     """For a serial port: true if a program has opened it, which asserts DTR. A microcontroller with a bootloader is reset
@@ -1480,7 +1483,7 @@ Global___UntilMessage: _TypeAlias = UntilMessage  # noqa: Y015
 @_typing.final
 class Command(_message.Message):
     """Signals for the motors and other actuators. For the wheels, 1 is full voltage or full speed forwards, and negative
-    values are backwards; RobotDescription.signal_limit is the largest magnitude.
+    values are backwards; RobotDescription.signal_limit is the largest magnitude. All signals are finite numbers.
     """
 
     DESCRIPTOR: _descriptor.Descriptor
@@ -1613,7 +1616,7 @@ class Belief(_message.Message):
 
     @_builtins.property
     def path(self) -> _containers.RepeatedCompositeFieldContainer[Global___Point]:
-        """Planned path."""
+        """Planned path, as positions one after the other. Empty: none."""
 
     @_builtins.property
     def map(self) -> Global___GridMap:

@@ -28,6 +28,9 @@ if _version_not_supported:
 class BrainLinkServiceStub(object):
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     def __init__(self, channel):
@@ -46,6 +49,9 @@ class BrainLinkServiceStub(object):
 class BrainLinkServiceServicer(object):
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     def Attach(self, request_iterator, context):
@@ -53,10 +59,12 @@ class BrainLinkServiceServicer(object):
         right `drive` for each of these robots.
 
         The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-        brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-        brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-        an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-        closes the other side.
+        brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+        the world waits for that Step; at other paces a brain may send Steps at any time.
+
+        When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+        If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+        that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
 
         Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
         NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
@@ -94,6 +102,9 @@ def add_BrainLinkServiceServicer_to_server(servicer, server):
 class BrainLinkService(object):
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     @staticmethod

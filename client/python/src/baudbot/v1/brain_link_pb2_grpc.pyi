@@ -29,6 +29,9 @@ GRPC_VERSION: str
 class BrainLinkServiceStub:
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     @_typing.overload
@@ -40,10 +43,12 @@ class BrainLinkServiceStub:
     right `drive` for each of these robots.
 
     The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-    brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-    brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-    an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-    closes the other side.
+    brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+    the world waits for that Step; at other paces a brain may send Steps at any time.
+
+    When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+    If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+    that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
 
     Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
     NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
@@ -63,6 +68,9 @@ class BrainLinkServiceStub:
 class BrainLinkServiceAsyncStub(BrainLinkServiceStub):
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     def __init__(self, channel: _aio.Channel) -> None: ...
@@ -71,10 +79,12 @@ class BrainLinkServiceAsyncStub(BrainLinkServiceStub):
     right `drive` for each of these robots.
 
     The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-    brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-    brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-    an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-    closes the other side.
+    brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+    the world waits for that Step; at other paces a brain may send Steps at any time.
+
+    When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+    If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+    that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
 
     Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
     NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message
@@ -93,6 +103,9 @@ class BrainLinkServiceAsyncStub(BrainLinkServiceStub):
 class BrainLinkServiceServicer(metaclass=_abc_1.ABCMeta):
     """For brains: the laptop's end of the serial cable of a robot. A brain gets no information here that a program on a
     real laptop could not get from a real cable.
+
+    Each call shows the caller's token, as metadata `authorization` with the value `Bearer TOKEN`. A program that a run
+    has started finds its server in BAUDBOT_CONNECT: a Unix socket, at which it needs none.
     """
 
     @_abc_1.abstractmethod
@@ -105,10 +118,12 @@ class BrainLinkServiceServicer(metaclass=_abc_1.ABCMeta):
         right `drive` for each of these robots.
 
         The first request is a Hello, the first response a Welcome. Then the server sends a Turn for each tick in which a
-        brain can step, and the brain answers with a Step. In lockstep the world waits for that Step; at other paces a
-        brain may send Steps at any time. When the run is over, the server sends Ended and leaves the stream open, because
-        an operator may reset the world. If the brain closes its side of the stream, its robots are released and the server
-        closes the other side.
+        brain can step, and the brain answers with a Step. Steps follow the Welcome. Each Turn takes one Step. In lockstep
+        the world waits for that Step; at other paces a brain may send Steps at any time.
+
+        When the run is over, the server sends Ended and leaves the stream open, because an operator may reset the world.
+        If the brain closes its side of the stream, its robots are released and the server closes the other side. A program
+        that loses its stream with UNAVAILABLE attaches again, with a Hello, as often as it takes.
 
         Errors: UNAUTHENTICATED (no valid token), PERMISSION_DENIED (the token does not permit driving the robot),
         NOT_FOUND (no such world or robot), ALREADY_EXISTS (the robot has a brain already), INVALID_ARGUMENT (the message

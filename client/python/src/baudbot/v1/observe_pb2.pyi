@@ -283,7 +283,7 @@ class DescribeWorldResponse(_message.Message):
 
     @_builtins.property
     def lights(self) -> _containers.RepeatedCompositeFieldContainer[Global___Light]:
-        """Fixed lamps."""
+        """Lamps that stand still in the arena."""
 
     @_builtins.property
     def fields(self) -> _containers.RepeatedCompositeFieldContainer[Global___ScalarField]:
