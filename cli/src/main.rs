@@ -19,6 +19,7 @@
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
+mod announcement;
 mod args;
 mod assignment;
 mod brain;
@@ -28,6 +29,7 @@ mod check;
 mod chips;
 mod class;
 mod completions;
+mod conform;
 mod connect;
 mod csv;
 mod diagram;
@@ -130,6 +132,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
         Command::Tune(args) => return runtime.block_on(tune::tune(args)),
         Command::Grade(args) => return runtime.block_on(grade::grade(args)),
+        Command::Conform(args) => return runtime.block_on(conform::conform(&args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Diagram(args) => return runtime.block_on(diagram::diagram(args)),

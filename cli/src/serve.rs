@@ -10,6 +10,7 @@ use std::time::Duration;
 use anyhow::Context;
 use baudbot_server::WorldConfig;
 
+use crate::announcement::Announcement;
 use crate::args::{PaceName, ServeArgs};
 use crate::assignment;
 use crate::error::Refused;
@@ -22,9 +23,10 @@ use crate::text::tell;
 use crate::{record, replay};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
-    check_audit(args)?;
+    check_outputs(args)?;
     let mut serving = Serving::new(&args.listen)?;
     serving.stop_within(Duration::from_secs(args.stop_within.into()));
+    serving.announce(Announcement { port_file: args.port_file.clone(), json: args.json })?;
     let kept = state::go_on(args, &mut serving)?;
     if let Some(folder) = &args.recordings {
         make_folder(folder)?;
@@ -41,12 +43,13 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     serving.until_stopped(Viewing::IfOpen).await
 }
 
-/// Refuses an audit log that would be written over what is read.
-fn check_audit(args: &ServeArgs) -> anyhow::Result<()> {
+/// Refuses an audit log or a port file that would be written over what is read.
+fn check_outputs(args: &ServeArgs) -> anyhow::Result<()> {
     let inputs = Inputs::default().firmware(&args.changes.firmware);
     let inputs = args.scenarios.iter().fold(inputs, |all, name| all.scenario(name));
     let inputs = args.resume.iter().fold(inputs, |all, recording| all.file("recording", recording));
-    inputs.check(args.listen.access.audit.iter().map(|path| ("--audit", path.as_path())))
+    let audit = args.listen.access.audit.iter().map(|path| ("--audit", path.as_path()));
+    inputs.check(audit.chain(args.port_file.iter().map(|path| ("--port-file", path.as_path()))))
 }
 
 /// The worlds of scenarios.

@@ -16,6 +16,7 @@ use baudbot_sim::model::RobotSpec;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout_at};
 
+use crate::announcement::Announcement;
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
 use crate::assignment::{self, Assigned};
 use crate::error::{Refused, from_builder};
@@ -24,7 +25,7 @@ use crate::ports::{Known, OpenPorts, PortsByRobot};
 use crate::signals::Stop;
 use crate::summary::Summary;
 use crate::text::tell;
-use crate::{connect, natural, ports, report, text, viewer};
+use crate::{connect, natural, ports, report, viewer};
 
 /// Whether there is a page by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +49,7 @@ pub(crate) struct Serving<'a> {
     ports: Vec<(String, PortsByRobot)>,
     /// The time that worlds have to end in good order.
     stop_within: Duration,
+    announcement: Announcement,
 }
 
 /// A world's name, what is in it, and its robots that a brain of the catalogue can drive, each with one.
@@ -66,6 +68,7 @@ impl<'a> Serving<'a> {
             runs: Vec::new(),
             ports: Vec::new(),
             stop_within: STOP_WITHIN,
+            announcement: Announcement::default(),
         })
     }
 
@@ -82,6 +85,16 @@ impl<'a> Serving<'a> {
     /// Gives worlds so long to end in good order.
     pub(crate) fn stop_within(&mut self, limit: Duration) {
         self.stop_within = limit;
+    }
+
+    /// Tells programs in this way that the server is ready.
+    ///
+    /// # Errors
+    /// If the file of an earlier server cannot be removed.
+    pub(crate) fn announce(&mut self, announcement: Announcement) -> anyhow::Result<()> {
+        announcement.prepare()?;
+        self.announcement = announcement;
+        Ok(())
     }
 
     /// Takes trainers at an address.
@@ -141,7 +154,7 @@ impl<'a> Serving<'a> {
 
     /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
-        let Self { mut builder, listen, worlds, live, runs, ports, stop_within } = self;
+        let Self { mut builder, listen, worlds, live, runs, ports, stop_within, announcement } = self;
         let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
@@ -151,11 +164,12 @@ impl<'a> Serving<'a> {
         // Scenarios may have come through FIFOs; there a single signal is to end the program.
         let mut stop = hear(stop_within).context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
-        text::print(&greeting(&server, &worlds))?;
+        announcement.people(&greeting(&server, &worlds))?;
         let known = |world: &str, robot: &str, device: Option<&str>| of_port(&live, world, robot, device);
         let reach = ports::reach(listen.access.open);
         let mut open = OpenPorts::open(server.channel().await?.into(), &ports, reach, known).await?;
-        text::print(&open.greeting())?;
+        announcement.people(&open.greeting())?;
+        announcement.ready(&server, &live)?;
         let ends = tell_ends(&connect::control(server.channel().await?.into()), runs);
         loop {
             tokio::select! {
@@ -171,14 +185,21 @@ impl<'a> Serving<'a> {
         server.refuse_worlds();
         let limit = Instant::now() + stop_within;
         let ports = timeout_at(limit, open.close()).await;
-        text::print(&ports.unwrap_or_default())?;
-        // The patience is that at the end of `run`. A server that does not answer does not delay the stop.
-        let patience = limit.min(Instant::now() + PATIENCE);
-        if let Ok(summaries) = timeout_at(patience, summaries(&server, &live)).await {
-            text::print(&summaries?)?;
-        }
+        announcement.people(&ports.unwrap_or_default())?;
+        announcement.people(&last_words(&server, &live, limit).await?)?;
         end(server, limit, stop_within).await
     }
+}
+
+/// The summaries, unless the server does not answer, which does not delay the stop.
+async fn last_words(
+    server: &Server,
+    live: &[(String, Arc<Scenario>)],
+    limit: Instant,
+) -> anyhow::Result<String> {
+    // The patience is that at the end of `run`.
+    let patience = limit.min(Instant::now() + PATIENCE);
+    timeout_at(patience, summaries(server, live)).await.unwrap_or_else(|_| Ok(String::new()))
 }
 
 /// The properties of a port in these scenarios that the contract lacks.

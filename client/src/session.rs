@@ -74,6 +74,10 @@ impl Session {
                 self.answer(&[]).await?;
             }
             let Some(response) = self.stream.receive().await? else { return Ok(None) };
+            if response.response.is_none() {
+                // It is of a kind that a later version of the contract has.
+                continue;
+            }
             let Event::Turn { number, tick, mut parts } = protocol::event(response, &self.welcome.bodies)?
             else {
                 self.waiting.fill(None);

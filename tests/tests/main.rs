@@ -16,6 +16,7 @@ mod coverage;
 mod data_sheet;
 mod determinism;
 mod devices;
+mod exchange;
 mod exchanges;
 mod exploration;
 mod figures;

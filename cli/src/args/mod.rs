@@ -5,6 +5,7 @@ mod brain;
 mod budget;
 mod cert;
 mod chips;
+mod conform;
 mod diagram;
 mod export;
 mod export_brain;
@@ -24,6 +25,7 @@ mod places;
 mod plan;
 mod port;
 mod port_watch;
+mod preset;
 mod record;
 mod state;
 mod token;
@@ -43,6 +45,7 @@ pub(crate) use self::cert::CertCommand;
 #[cfg(feature = "certificates")]
 pub(crate) use self::cert::{AuthorityArgs, ClientCertificateArgs, ServerCertificateArgs};
 pub(crate) use self::chips::{ChipArgs, ChipOutput};
+pub(crate) use self::conform::ConformArgs;
 pub(crate) use self::diagram::DiagramArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 pub(crate) use self::export_brain::{ExportBrainArgs, ExportLanguage};
@@ -65,6 +68,7 @@ pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
+pub(crate) use self::preset::{EvidenceArgs, PresetArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::state::{CheckStateArgs, RecoverArgs, StateCommand};
 pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
@@ -107,6 +111,9 @@ pub(crate) enum Command {
     /// Grades a brain on an exercise, with points and advice; without one, lists the exercises
     #[command(after_long_help = grade::EXAMPLES)]
     Grade(GradeArgs),
+    /// Examines whether a brain in any language keeps to the contract
+    #[command(after_long_help = conform::EXAMPLES)]
+    Conform(ConformArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
@@ -274,6 +281,15 @@ pub(crate) struct ServeArgs {
     /// After Ctrl-C or SIGTERM, exit with code 1 if worlds and recordings take longer than this to close, in seconds
     #[arg(long, value_name = "S", default_value_t = 10, value_parser = whole(1_u32..=3600))]
     pub(crate) stop_within: u32,
+    /// Once the server is ready, write its first address into this file: one line, such as 127.0.0.1:7400
+    ///
+    /// For tests: with `--listen 127.0.0.1:0` the system chooses a free port. The file appears in one step, so it is complete as soon as it
+    /// is there; an older one is removed first.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) port_file: Option<PathBuf>,
+    /// Once the server is ready, print one line of JSON with its addresses and worlds, and nothing else on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Listen for trainers, which drive robots and get their true poses: 127.0.0.1:PORT or unix:/PATH
     ///
     /// A trainer also creates its worlds through this address (docs/how-to/training.md), which only this machine can reach.
@@ -307,33 +323,6 @@ pub(crate) struct CheckArgs {
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct PresetArgs {
-    /// A preset [default: list them all]
-    pub(crate) name: Option<String>,
-    /// Write JSON: the list, or a preset's values, each with its source and its standing, such as datasheet, measured or guess
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct EvidenceArgs {
-    /// Comparisons to show in full, or presets whose comparisons to show [default: all comparisons, one line each]
-    pub(crate) names: Vec<String>,
-    /// Write JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Write the page `evidence.md` and its pictures into this folder
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json"])]
-    pub(crate) write: Option<PathBuf>,
-    /// Fail if the page in this folder is not up to date
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json", "write"])]
-    pub(crate) check: Option<PathBuf>,
-    /// Suppress the progress bar
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

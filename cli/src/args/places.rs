@@ -50,12 +50,12 @@ impl ListenArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ConnectArgs {
     /// The server: HOST:PORT, https://HOST:PORT or unix:/PATH
-    #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS)]
+    #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS, env = "BAUDBOT_CONNECT", hide_env_values = true)]
     pub(crate) connect: String,
     #[command(flatten)]
     pub(crate) credentials: CredentialArgs,
     /// Name of the world [default: the server's only world]
-    #[arg(long)]
+    #[arg(long, env = "BAUDBOT_WORLD", hide_env_values = true)]
     pub(crate) world: Option<String>,
 }
 

@@ -3,6 +3,7 @@
 mod bags;
 mod beliefs;
 mod budget;
+mod conform;
 mod damaged;
 mod devices;
 mod diagrams;

@@ -1,6 +1,7 @@
 //! Outputs do not overwrite inputs, and files that are begun by `init`.
 
 use std::fs;
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::Stdio;
 
@@ -167,4 +168,34 @@ fn an_exercise_and_a_link_that_leads_nowhere_are_told_as_what_they_are() {
     let (code, _, err) = within(folder.path(), "init wander dang");
     let expected = "error: dang: is a link that leads nowhere; remove it, or choose another file\n";
     assert_eq!((code, err.as_str()), (2, expected));
+}
+
+/// A test starts a server at a free port, and reads where it is once the file is there.
+#[test]
+fn a_server_that_is_ready_says_where_it_is() {
+    let folder = folder();
+    let (file, again) = (folder.path().join("address"), folder.path().join("again"));
+    fs::write(&file, "an older server").unwrap();
+    let arguments = |file: &Path| {
+        let words =
+            ["serve", "wander", "--listen", "127.0.0.1:0", "--viewer", "off", "--json", "--port-file"];
+        words.into_iter().map(str::to_owned).chain([file.display().to_string()]).collect::<Vec<_>>()
+    };
+    let start = |file| {
+        let words = arguments(file);
+        Running::start(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let mut server = start(&file);
+    let line = server.lines_until("{").pop().unwrap();
+    let ready: serde_json::Value = serde_json::from_str(&line).unwrap();
+    let address = fs::read_to_string(&file).unwrap();
+    assert_eq!(ready["connect"].as_str(), Some(address.trim_end()));
+    assert_eq!(ready["worlds"][0], serde_json::json!({ "world": "wander", "robots": ["robot"] }));
+    assert!(TcpStream::connect(address.trim_end()).is_ok());
+    server.signal("-TERM");
+    let (code, out, err) = server.end();
+    assert_eq!((code, out.as_str()), (0, ""), "{err}");
+    let missing = again.join("nowhere");
+    let (code, _, err) = start(&missing).end();
+    assert!(code != 0 && err.contains("--port-file"), "{err}");
 }

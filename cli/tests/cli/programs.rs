@@ -39,6 +39,15 @@ fn a_program_drives_as_the_same_brain_in_this_process() {
     assert_eq!(own["robots"][0]["collisions"], 0);
 }
 
+/// `exec:baudbot brain NAME` is all that a user types: the environment has the rest.
+#[test]
+fn a_brain_of_the_catalogue_is_a_program_by_its_name_alone() {
+    let baudbot = env!("CARGO_BIN_EXE_baudbot");
+    let run = |brain: &str| summary(&["run", "wander", "--seconds", "5", "--seed", "5", "--brain", brain]);
+    let (own, inside) = (run(&format!("exec:{baudbot} brain avoid")), run("avoid"));
+    assert_eq!(own["state_hash"], inside["state_hash"]);
+}
+
 #[test]
 fn a_drive_of_a_test_is_the_run_of_the_command() {
     let toml = include_str!("../../../catalogue/scenarios/wander.toml");

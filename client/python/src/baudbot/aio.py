@@ -104,8 +104,10 @@ async def _drive(
             tell(driving)
         backoff.connected()
         while isinstance(response := await call.read(), pb.AttachResponse):
-            if not response.HasField("turn"):
+            if response.HasField("ended"):
                 return Summary(session.turns, response.ended.tick)
+            if not response.HasField("turn"):
+                continue  # of a kind that a later version of the contract has
             for seat, turn in session.asked(response.turn):
                 output = seat.brain.step(turn)
                 seat.answer(turn, await output if inspect.isawaitable(output) else output)

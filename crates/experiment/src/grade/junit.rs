@@ -65,7 +65,7 @@ fn suite(exercise: &Exercise, name: &str, outcome: Result<&Grading, &dyn Display
 }
 
 /// Text of others, escaped for XML: characters that XML has no place for become `?`.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use baudbot_fields::printable::Printable;
 
-/// A program that cannot go on as a brain. Its text is a sentence, and below it what the program printed last.
+/// A program that cannot go on as a brain. Its text is a sentence, and below it what the program printed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     /// The program's text.
     pub program: String,
     /// The event.
     pub problem: Problem,
-    /// The last lines that it printed.
+    /// The first and the last lines that it printed.
     pub said: Vec<String>,
 }
 

@@ -1,19 +1,21 @@
-//! The output of a program: the end of it is kept, whatever its length.
+//! The output of a program: its beginning and its end are kept, whatever its length. Some languages name the cause of a failure
+//! first, and others last.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use baudbot_fields::printable::Printable;
+use baudbot_fields::printable::PrintableLines;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt, stderr};
 
 use crate::programs::task::Output;
 
-/// The end of what a program has printed to its standard output and its standard error.
+/// The beginning and the end of what a program has printed to its standard output and its standard error.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept(Arc<Mutex<Text>>);
 
 #[derive(Debug, Default)]
 struct Text {
+    beginning: Vec<u8>,
     end: VecDeque<u8>,
     /// Bytes that are no longer kept.
     dropped: u64,
@@ -50,6 +52,8 @@ impl Kept {
     /// `line` is the beginning of this stream's current line.
     fn take(&self, bytes: &[u8], line: &mut Vec<u8>, from: From) {
         let mut text = self.text();
+        let room = BEGINNING_BYTES.saturating_sub(text.beginning.len());
+        text.beginning.extend(bytes.iter().take(room));
         text.end.extend(bytes);
         let over = text.end.len().saturating_sub(MOST_BYTES);
         text.end.drain(..over);
@@ -75,18 +79,19 @@ impl Kept {
         self.text().has_traceback
     }
 
-    /// The last lines, without what a terminal would obey.
-    pub(crate) fn last_lines(&self) -> Vec<String> {
+    /// The first and the last lines, without what a terminal would obey but tabs. A line `…` stands for those between them.
+    pub(crate) fn lines(&self) -> Vec<String> {
         let text = self.text();
-        let bytes: Vec<u8> = text.end.iter().copied().collect();
-        let whole = String::from_utf8_lossy(&bytes);
-        let lines: Vec<_> = whole.lines().collect();
-        let first = lines.len().saturating_sub(MOST_LINES);
-        let mut shown: Vec<_> = lines[first..].iter().map(|line| Printable(line).to_string()).collect();
-        if first > 0 || text.dropped > 0 {
-            shown.insert(0, "…".to_owned());
+        let end: Vec<u8> = text.end.iter().copied().collect();
+        let last = lines_of(&end);
+        if text.dropped == 0 && last.len() <= FIRST_LINES + LAST_LINES {
+            return last;
         }
-        shown
+        // Of what is longer than the beginning that is kept, its last line may be a part of one.
+        let whole = text.beginning.iter().rposition(|&byte| byte == b'\n').unwrap_or(text.beginning.len());
+        let first = lines_of(&text.beginning[..whole]).into_iter().take(FIRST_LINES);
+        let last = &last[last.len().saturating_sub(LAST_LINES)..];
+        first.chain(std::iter::once("…".to_owned())).chain(last.iter().cloned()).collect()
     }
 
     fn text(&self) -> MutexGuard<'_, Text> {
@@ -94,16 +99,26 @@ impl Kept {
     }
 }
 
+fn lines_of(bytes: &[u8]) -> Vec<String> {
+    String::from_utf8_lossy(bytes).lines().map(|line| PrintableLines(line).to_string()).collect()
+}
+
 const TRACEBACK: &[u8] = b"Traceback (most recent call last):";
 
 /// The beginning of the last line of a program that uses one of baudbot's packages.
 const END_OF_A_RUN: &[u8] = b"the run is over";
 
-/// The bytes of a program's output that are kept.
+/// The bytes of the end of a program's output that are kept.
 const MOST_BYTES: usize = 64 << 10;
 
-/// The lines of those that are shown.
-const MOST_LINES: usize = 20;
+/// The bytes of its beginning.
+const BEGINNING_BYTES: usize = 8 << 10;
+
+/// The lines of the beginning that are shown.
+const FIRST_LINES: usize = 8;
+
+/// The lines of the end.
+const LAST_LINES: usize = 12;
 
 #[cfg(test)]
 mod tests {
@@ -133,9 +148,24 @@ mod tests {
         assert!(!kept.has_traceback());
         kept.take(b"cent call last):\n\x1b[2Jend", &mut line, From::StandardOutput);
         assert!(kept.has_traceback());
-        let lines = kept.last_lines();
-        assert_eq!(lines.len(), MOST_LINES + 1);
-        assert_eq!((lines[0].as_str(), lines[MOST_LINES].as_str()), ("…", "\\u{1b}[2Jend"));
-        assert!(kept.text().end.len() <= MOST_BYTES);
+        let lines = kept.lines();
+        assert_eq!(lines.len(), FIRST_LINES + 1 + LAST_LINES);
+        assert_eq!((lines[0].as_str(), lines[FIRST_LINES].as_str()), ("0123456789", "…"));
+        assert_eq!(lines[FIRST_LINES + LAST_LINES], "\\u{1b}[2Jend");
+        assert!(kept.text().end.len() <= MOST_BYTES && kept.text().beginning.len() <= BEGINNING_BYTES);
+    }
+
+    #[test]
+    fn the_cause_that_stands_first_is_shown_with_its_tabs() {
+        let kept = Kept::default();
+        kept.take(b"panic: no reading\n\ngoroutine 1:\n\tmain.go:12\n", &mut Vec::new(), From::StandardError);
+        assert_eq!(kept.lines(), ["panic: no reading", "", "goroutine 1:", "\tmain.go:12"]);
+        for number in 5..=40 {
+            kept.take(format!("line {number}\n").as_bytes(), &mut Vec::new(), From::StandardError);
+        }
+        let lines = kept.lines();
+        assert_eq!(lines[..4], ["panic: no reading", "", "goroutine 1:", "\tmain.go:12"]);
+        assert_eq!(lines[FIRST_LINES - 1..=FIRST_LINES + 1], ["line 8", "…", "line 29"]);
+        assert_eq!(lines.last().map(String::as_str), Some("line 40"));
     }
 }

@@ -4,7 +4,8 @@
 //! 1. [`Program`] is such a program, as a command line or a file names it: `exec:python3 follow.py`.
 //! 2. [`Task`] is what it is started for; it gets that in its environment ([`Task::environment`]).
 //! 3. [`Crew`] is the programs of a run: it waits until they hold their robots, tells if one fails, and ends them.
-//! 4. [`ProcessorClock`] says how much processor time they have used.
+//! 4. [`Process`] is one of them, for those who see to it themselves.
+//! 5. [`ProcessorClock`] says how much processor time they have used.
 //!
 //! Only a command line and a file that the user names may start programs. Nothing that comes over a network does.
 
@@ -25,6 +26,8 @@ mod task;
 pub use crew::{Crew, Held, Idle};
 #[cfg(feature = "programs")]
 pub use failure::{Failure, Problem};
+#[cfg(feature = "programs")]
+pub use process::Process;
 #[cfg(feature = "programs")]
 pub use processor_clock::ProcessorClock;
 pub use program::{BadProgram, EXEC, Program};

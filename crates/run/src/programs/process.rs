@@ -16,11 +16,12 @@ use tokio::time::timeout;
 
 use crate::programs::failure::{Failure, Problem};
 use crate::programs::kept::{From, Kept};
+use crate::programs::program::Program;
 use crate::programs::task::{Lifetime, Task};
 
 /// A program that was started. When this is dropped, it and all its children are killed.
 #[derive(Debug)]
-pub(crate) struct Process {
+pub struct Process {
     child: Child,
     /// The pipe from which it reads its next run, if it does more than one.
     runs: Option<ChildStdin>,
@@ -35,11 +36,19 @@ pub(crate) struct Process {
 }
 
 impl Process {
-    pub(crate) fn start(task: &Task, connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
+    /// Starts the program in a group of its own, with what it needs to attach in its environment.
+    ///
+    /// # Errors
+    /// If it cannot be started.
+    pub fn start(task: &Task, connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
         let program = &task.program;
         let mark = format!("{:016x}", RandomState::new().build_hasher().finish());
         let mut command = Command::new(&program.words[0]);
-        command.args(&program.words[1..]).envs(task.environment(connect, world, seed)).env(MARK, &mark);
+        command
+            .args(&program.words[1..])
+            .envs(task.environment(connect, world, seed))
+            .envs(&task.variables)
+            .env(MARK, &mark);
         if let Some(folder) = &program.folder {
             command.current_dir(folder);
         }
@@ -49,21 +58,7 @@ impl Process {
         };
         command.stdin(stdin).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
         let spawned = command.spawn();
-        let mut child = spawned.map_err(|error| {
-            let word = program.words[0].clone();
-            let folder = program.folder.as_deref().unwrap_or_else(|| Path::new(""));
-            let is_there = word.contains('/') && folder.join(&word).is_file();
-            let problem = if error.kind() == ErrorKind::NotFound && is_there {
-                Problem::NoInterpreter(word)
-            } else if error.kind() == ErrorKind::NotFound {
-                Problem::Missing(word)
-            } else if error.kind() == ErrorKind::PermissionDenied {
-                Problem::NotExecutable(word)
-            } else {
-                Problem::NotStarted(error.to_string())
-            };
-            Failure { program: program.to_string(), problem, said: Vec::new() }
-        })?;
+        let mut child = spawned.map_err(|error| not_started(program, &error))?;
         let kept = Kept::default();
         let output = task.output;
         let out =
@@ -87,14 +82,17 @@ impl Process {
     }
 
     /// The status of the program's own end, if it has ended.
-    pub(crate) fn exited(&mut self) -> std::io::Result<Option<ExitStatus>> {
+    ///
+    /// # Errors
+    /// If the system does not say.
+    pub fn exited(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.child.try_wait()
     }
 
-    /// The failure, with what the program printed last.
+    /// The failure, with what the program printed first and last.
     pub(crate) async fn failed(&mut self, problem: Problem) -> Failure {
         self.settle().await;
-        Failure { program: self.text.clone(), problem, said: self.kept.last_lines() }
+        Failure { program: self.text.clone(), problem, said: self.kept.lines() }
     }
 
     /// The last output of an ended program may still be in its pipes; a child of it may keep those open.
@@ -116,12 +114,17 @@ impl Process {
         self.kept.printed()
     }
 
+    /// The first and the last lines that it printed.
+    pub fn lines(&self) -> Vec<String> {
+        self.kept.lines()
+    }
+
     pub(crate) fn has_traceback(&self) -> bool {
         self.kept.has_traceback()
     }
 
     /// Ends it: by itself within `patience`, or else by a signal, or else by one that cannot be ignored. Its children end, too.
-    pub(crate) async fn end(&mut self, patience: Duration) {
+    pub async fn end(&mut self, patience: Duration) {
         self.runs = None;
         if timeout(patience, self.child.wait()).await.is_err() {
             self.signal(Signal::TERM);
@@ -158,6 +161,23 @@ impl Process {
             }
         }
     }
+}
+
+/// The reason why a program does not start.
+fn not_started(program: &Program, error: &std::io::Error) -> Failure {
+    let word = program.words[0].clone();
+    let folder = program.folder.as_deref().unwrap_or_else(|| Path::new(""));
+    let is_there = word.contains('/') && folder.join(&word).is_file();
+    let problem = if error.kind() == ErrorKind::NotFound && is_there {
+        Problem::NoInterpreter(word)
+    } else if error.kind() == ErrorKind::NotFound {
+        Problem::Missing(word)
+    } else if error.kind() == ErrorKind::PermissionDenied {
+        Problem::NotExecutable(word)
+    } else {
+        Problem::NotStarted(error.to_string())
+    };
+    Failure { program: program.to_string(), problem, said: Vec::new() }
 }
 
 impl Drop for Process {

@@ -19,6 +19,8 @@ pub struct Task {
     pub lifetime: Lifetime,
     /// The destination of its output.
     pub output: Output,
+    /// Further variables of its environment, in place of those of the same name.
+    pub variables: BTreeMap<String, String>,
 }
 
 /// The destination of a program's output. Its end is always kept, and shown if the program fails.
@@ -46,7 +48,8 @@ impl Task {
     /// A program for these robots: a process a run, without parameters, whose output is only kept.
     pub fn new(program: Program, robots: Vec<String>) -> Self {
         let parameters = BTreeMap::new();
-        Self { program, robots, parameters, lifetime: Lifetime::Run, output: Output::Kept }
+        let variables = BTreeMap::new();
+        Self { program, robots, parameters, lifetime: Lifetime::Run, output: Output::Kept, variables }
     }
 
     /// The variables that the program finds in its environment: where it attaches, to which world, as which robots (names with

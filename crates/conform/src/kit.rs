@@ -1,0 +1,279 @@
+//! The kit: runs a brain through all provocations, and judges what it did.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use baudbot_access::Token;
+use baudbot_proto::v1;
+use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_run::programs::{Process, Program, Task};
+use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
+use baudbot_sim::Scenario;
+use tempfile::TempDir;
+use tokio::net::{TcpListener, UnixListener};
+use tokio::time::{Instant, sleep, timeout};
+use tokio_stream::wrappers::{TcpListenerStream, UnixListenerStream};
+use tonic::transport::Server as Transport;
+
+use crate::case::{CASES, Case};
+use crate::error::KitError;
+use crate::evidence::{Evidence, Verdict};
+use crate::provocation::Provocation;
+use crate::record::{ProgramEnd, Record};
+use crate::scene::{self, WORLD};
+use crate::service::Service;
+use crate::spy::Spy;
+
+/// The brain that is examined.
+#[derive(Clone, Debug)]
+pub enum Brain {
+    /// A program that the kit starts for each run.
+    Program(Program),
+    /// A program that somebody starts for each run, which attaches at this address.
+    Outside(std::net::SocketAddr),
+}
+
+/// What a case has found.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The case.
+    pub case: &'static Case,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The lines that the program printed in the run that was judged.
+    pub printed: Vec<String>,
+}
+
+/// Called before each run, with its number from 1, how many there are, and what happens in it.
+pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, Provocation);
+
+/// Runs a brain through all provocations in this scenario, and judges it.
+///
+/// `patience` is the time in which it must answer, attach or end.
+///
+/// # Errors
+/// If the brain cannot be started, or a world not be made.
+pub async fn examine(
+    brain: &Brain,
+    scenario: &Scenario,
+    robot: Option<&str>,
+    patience: Duration,
+    progress: Progress<'_>,
+) -> Result<Vec<Finding>, KitError> {
+    let alone = scene::alone(scenario, robot)?;
+    let two = scene::with_two(&alone)?;
+    let all: Vec<_> = Provocation::all().collect();
+    let mut records = HashMap::new();
+    for (place, provocation) in all.iter().enumerate() {
+        progress(place + 1, all.len(), *provocation);
+        let scenario = if provocation.has_two_robots() { &two } else { &alone };
+        let trial =
+            Trial { brain, scenario, provocation: *provocation, patience, token: Token::random()?.reveal() };
+        let record = trial.run().await?;
+        // A brain that never attaches, or is dumb in the plainest of runs, has nothing else to show.
+        let is_hopeless = *provocation == Provocation::Plain && !record.answers();
+        records.insert(*provocation, (record, trial.token));
+        if is_hopeless {
+            break;
+        }
+    }
+    let runs = Runs(records);
+    let find = |case: &'static Case| Finding {
+        case,
+        verdict: runs.verdict(case),
+        printed: runs.printed(case.provocation),
+    };
+    Ok(CASES.iter().map(find).collect())
+}
+
+/// The records of all runs, each with the token that the brain was given.
+struct Runs(HashMap<Provocation, (Record, String)>);
+
+impl Runs {
+    fn verdict(&self, case: &Case) -> Verdict {
+        let (Some((record, token)), Some((plain, _))) =
+            (self.0.get(&case.provocation), self.0.get(&Provocation::Plain))
+        else {
+            return Verdict::NotUsed("the brain has not driven in the plainest of runs".to_owned());
+        };
+        (case.judge)(&Evidence { record, plain, provocation: case.provocation, token })
+    }
+
+    fn printed(&self, provocation: Provocation) -> Vec<String> {
+        let end = self.0.get(&provocation).and_then(|(record, _)| record.end.as_ref());
+        end.map(|end| end.printed.clone()).unwrap_or_default()
+    }
+}
+
+/// A run.
+struct Trial<'a> {
+    brain: &'a Brain,
+    scenario: &'a Scenario,
+    provocation: Provocation,
+    patience: Duration,
+    token: String,
+}
+
+impl Trial<'_> {
+    async fn run(&self) -> Result<Record, KitError> {
+        let pace = match self.provocation.is_timed() {
+            true => Pace::scaled(10.0),
+            false => Pace::Lockstep(Lockstep::default()),
+        };
+        // A world that does not wait for a brain begins once that is there.
+        let world = WorldConfig::new(WORLD, Arc::new(self.scenario.clone()))
+            .pace(pace)
+            .paused(self.provocation.is_timed());
+        let server = Server::builder().world(world).in_process().await?;
+        let spy = Spy::new(self.provocation, server.channel().await?);
+        let door = Door::of(self.brain)?;
+        let listening = match self.provocation.server_comes_after() {
+            None => Some(door.open(spy.clone()).await?),
+            Some(_) => None,
+        };
+        let mut process = self.start(&door)?;
+        let listening = match (listening, self.provocation.server_comes_after()) {
+            (None, Some(delay)) => {
+                sleep(delay).await;
+                door.open(spy.clone()).await?
+            }
+            (Some(listening), _) => listening,
+            (None, None) => door.open(spy.clone()).await?,
+        };
+        let stalled = self.watch(&spy, &mut process).await;
+        let mut record = spy.record().clone();
+        record.stalled = stalled;
+        if let Some(process) = process {
+            record.end = Some(self.end(process, &record).await);
+        }
+        record.state_hash = hash(&spy).await;
+        listening.abort();
+        server.shutdown().await;
+        Ok(record)
+    }
+
+    fn start(&self, door: &Door) -> Result<Option<Process>, KitError> {
+        let Brain::Program(program) = self.brain else { return Ok(None) };
+        let robots = self.scenario.robots.iter().map(|spec| spec.name.clone()).collect();
+        let mut task = Task::new(program.clone(), robots);
+        let patience = self.patience.as_secs().max(1);
+        let variables =
+            [("BAUDBOT_TOKEN", self.token.clone()), ("BAUDBOT_RECONNECT_S", patience.to_string())];
+        task.variables = variables.map(|(name, value)| (name.to_owned(), value)).into();
+        Ok(Some(Process::start(&task, &door.address(), WORLD, 1)?))
+    }
+
+    /// Waits until there is nothing more to see. The answer is whether that is because the brain was silent for too long.
+    async fn watch(&self, spy: &Spy, process: &mut Option<Process>) -> bool {
+        let (mut last, mut seen) = (Instant::now(), 0);
+        loop {
+            tokio::select! {
+                () = spy.done() => return false,
+                () = spy.news() => {}
+                () = sleep(LOOK) => {}
+            }
+            if process.as_mut().is_some_and(|process| !matches!(process.exited(), Ok(None))) {
+                // What it said last is under way.
+                sleep(SETTLE).await;
+                return false;
+            }
+            let said = {
+                let record = spy.record();
+                record.streams.len() + record.streams.iter().map(|stream| stream.events.len()).sum::<usize>()
+            };
+            if said != seen {
+                (last, seen) = (Instant::now(), said);
+            }
+            if last.elapsed() > self.patience {
+                return true;
+            }
+            // Who tries again and again has been understood.
+            if self.provocation.refusal().is_some() && spy.record().streams.len() > MOST_ATTEMPTS {
+                return false;
+            }
+        }
+    }
+
+    /// The end of the program: one whose run is over has time to come to its end.
+    async fn end(&self, mut process: Process, record: &Record) -> ProgramEnd {
+        let leaves = record.streams.last().is_some_and(|stream| {
+            let is_closed = |event: &crate::record::Event| matches!(event, crate::record::Event::Closed);
+            stream.events.iter().any(is_closed)
+        });
+        let patience = if leaves { self.patience } else { SETTLE };
+        let waits = async {
+            while matches!(process.exited(), Ok(None)) {
+                sleep(LOOK).await;
+            }
+        };
+        let _ = timeout(patience, waits).await;
+        let status = process.exited().ok().flatten();
+        process.end(Duration::ZERO).await;
+        ProgramEnd { status, printed: process.lines() }
+    }
+}
+
+/// The place at which the brain attaches.
+enum Door {
+    /// The folder of a socket, which only this user may enter.
+    Private(TempDir),
+    Open(std::net::SocketAddr),
+}
+
+impl Door {
+    fn of(brain: &Brain) -> Result<Self, KitError> {
+        match brain {
+            Brain::Outside(address) => Ok(Self::Open(*address)),
+            Brain::Program(_) => {
+                let failed = |source| KitError::Place { place: "a folder for a socket".to_owned(), source };
+                let folder = tempfile::Builder::new().prefix("baudbot-").tempdir().map_err(failed)?;
+                Ok(Self::Private(folder))
+            }
+        }
+    }
+
+    fn address(&self) -> String {
+        match self {
+            Self::Private(folder) => format!("unix:{}", folder.path().join(SOCKET).display()),
+            Self::Open(address) => address.to_string(),
+        }
+    }
+
+    /// Serves the spy until the task is aborted.
+    async fn open(&self, spy: Spy) -> Result<tokio::task::JoinHandle<()>, KitError> {
+        let failed = |source| KitError::Place { place: self.address(), source };
+        let services = Transport::builder().add_service(BrainLinkServiceServer::new(Service(spy)));
+        Ok(match self {
+            Self::Private(folder) => {
+                let socket = UnixListener::bind(folder.path().join(SOCKET)).map_err(failed)?;
+                let incoming = UnixListenerStream::new(socket);
+                tokio::spawn(async move { drop(services.serve_with_incoming(incoming).await) })
+            }
+            Self::Open(address) => {
+                let incoming = TcpListenerStream::new(TcpListener::bind(address).await.map_err(failed)?);
+                tokio::spawn(async move { drop(services.serve_with_incoming(incoming).await) })
+            }
+        })
+    }
+}
+
+/// The hash of the world's state, if it is still there.
+async fn hash(spy: &Spy) -> Option<String> {
+    let request = v1::GetWorldRequest { world: WORLD.to_owned() };
+    let answer = ControlServiceClient::new(spy.world.clone()).get_world(request).await.ok()?;
+    Some(answer.into_inner().status?.state_hash.to_string())
+}
+
+/// The name of the socket in its folder.
+const SOCKET: &str = "socket";
+
+/// The interval at which it is looked whether the program is there.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// The time for what is under way.
+const SETTLE: Duration = Duration::from_millis(100);
+
+/// The attempts after which a brain that is refused has shown that it goes on.
+const MOST_ATTEMPTS: usize = 3;
