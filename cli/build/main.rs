@@ -1,5 +1,5 @@
-//! Packs what `baudbot new brain` writes into projects: the crates that a brain in Rust needs, and the package for Python. So the
-//! program makes projects on machines that have no source of baudbot's.
+//! Packs what `baudbot new brain` writes into projects: the crates that a brain in Rust needs, the package for Python, and the examples in
+//! other languages with the contract. So the program makes projects on machines that have no source of baudbot's.
 //!
 //! The result is `sources.lz4` in the build's folder: for each file its path in the project, after the name of the language, and
 //! its length, each on a line, and then its bytes.
@@ -24,6 +24,15 @@ const CRATES: &[&str] = &[
     "brains",
 ];
 
+/// The folders of `examples/` that are projects of their own.
+const EXAMPLES: &[&str] = &["cpp", "go", "java", "node", "ruby", "typescript"];
+
+/// What is in them that was built, or needs this source.
+const LEFT_OUT: &[&str] = &["build", "node_modules", "generate", "buf.gen.yaml"];
+
+/// The file of the contract that a brain needs.
+const CONTRACT: &str = "proto/baudbot/v1/brain_link.proto";
+
 /// Files that go with the crates as they are.
 const BESIDE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "docs/reference/brains.md"];
 
@@ -33,6 +42,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut archive = Archive::default();
     rust(root, &mut archive)?;
     python(&root.join("client/python"), &mut archive)?;
+    let contract = watched(&root.join(CONTRACT))?;
+    for language in EXAMPLES {
+        archive.add_folder(&root.join("examples").join(language), ".", language, |_| true)?;
+        archive.add(&format!("{language}/{CONTRACT}"), contract.as_bytes());
+    }
     let out = PathBuf::from(env::var("OUT_DIR")?).join("sources.lz4");
     let mut packed = lz4::EncoderBuilder::new().level(12).build(fs::File::create(out)?)?;
     packed.write_all(&archive.bytes)?;
@@ -115,7 +129,10 @@ impl Archive {
         entries.sort_by_key(fs::DirEntry::file_name);
         for entry in entries {
             let (path, file) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-            let name = format!("{name}/{file}");
+            let name = if name == "." { file.clone() } else { format!("{name}/{file}") };
+            if LEFT_OUT.contains(&file.as_str()) {
+                continue;
+            }
             if path.is_dir() {
                 self.add_folder(&path, &name, within, takes)?;
             } else if takes(&file) {

@@ -51,6 +51,19 @@ pub(crate) enum Language {
     Rust,
     /// A brain on the package `baudbot-client`, whose files the project contains
     Python,
+    /// A wall follower in C++, by Debian's gRPC
+    Cpp,
+    /// A wall follower in Go, by Debian's gRPC
+    Go,
+    /// A wall follower in Java, by Debian's gRPC
+    Java,
+    /// A wall follower in Ruby, by Debian's gRPC
+    Ruby,
+    /// A wall follower for Node.js, without generated code
+    Node,
+    /// A wall follower in TypeScript
+    #[value(name = "typescript")]
+    TypeScript,
 }
 
 const FIRMWARE_EXAMPLES: &str = "\
@@ -62,4 +75,5 @@ Examples:
 const EXAMPLES: &str = "\
 Examples:
   baudbot new brain weaver                       a brain of behaviours in Rust
-  baudbot new brain timid --lang python          a brain in Python";
+  baudbot new brain timid --lang python          a brain in Python
+  baudbot new brain follow --lang cpp            one in C++; its README has the packages that it needs";

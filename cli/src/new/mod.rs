@@ -28,6 +28,20 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
         Language::Python => {
             (python(&name)?, ".venv/bin/python brain.py   (README.md lists what to install first)")
         }
+        Language::Cpp => {
+            (carried("cpp")?.collect(), "make && build/follow   (README.md lists what to install first)")
+        }
+        Language::Go => {
+            (carried("go")?.collect(), "make && build/follow   (README.md lists what to install first)")
+        }
+        Language::Java => {
+            (carried("java")?.collect(), "make && build/follow   (README.md lists what to install first)")
+        }
+        Language::Ruby => {
+            (carried("ruby")?.collect(), "make && ruby follow.rb   (README.md lists what to install first)")
+        }
+        Language::Node => (carried("node")?.collect(), "npm ci && node follow.mjs"),
+        Language::TypeScript => (carried("typescript")?.collect(), "npm ci && npx tsx follow.ts"),
     };
     write_all(folder, files)?;
     text::print(&format!(
@@ -118,6 +132,7 @@ fn python(name: &str) -> anyhow::Result<Vec<File>> {
     let mut files: Vec<File> = vec![
         ("README.md".into(), readme.into_bytes(), false),
         ("brain.py".into(), example.into(), true),
+        ("test_brain.py".into(), include_bytes!("../../templates/python/test_brain.py").to_vec(), false),
         (
             "requirements.txt".into(),
             include_bytes!("../../templates/python/requirements.txt").to_vec(),

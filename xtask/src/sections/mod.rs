@@ -97,6 +97,21 @@ const CLIPPY: Need = Need::Component(Component::Clippy);
 const RUSTFMT: Need = Need::Component(Component::Rustfmt);
 const WASI: Need = Target("wasm32-wasip1");
 
+/// What brains in other languages are built with, in the words of their READMEs.
+#[rustfmt::skip]
+const LANGUAGES: &[Need] = &[
+    Python, Node, MAKE,
+    Program("g++", "g++"), Program("pkg-config", "pkg-config"), Program("protoc", "protobuf-compiler"),
+    Program("grpc_cpp_plugin", "protobuf-compiler-grpc"), File("/usr/include/grpcpp/grpcpp.h", "libgrpc++-dev"), File("/usr/include/gtest/gtest.h", "libgtest-dev"),
+    Program("go", "golang-go"), Program("protoc-gen-go", "protoc-gen-go"), Program("protoc-gen-go-grpc", "protoc-gen-go-grpc"),
+    File("/usr/share/gocode/src/google.golang.org/grpc/version.go", "golang-google-grpc-dev golang-github-golang-protobuf-1-5-dev"),
+    Program("javac", "default-jdk-headless"), Program("grpc_java_plugin", "protobuf-compiler-grpc-java-plugin"), File("/usr/share/java/grpc-netty.jar", "libgrpc-java"),
+    File("/usr/share/java/netty-codec-http2.jar", "libnetty-java"), File("/usr/share/java/protobuf.jar", "libprotobuf-java"), File("/usr/share/java/guava.jar", "libguava-java"),
+    File("/usr/share/java/perfmark-api.jar", "libperfmark-java"), File("/usr/share/java/geronimo-annotation-1.3-spec.jar", "libgeronimo-annotation-1.3-spec-java"),
+    File("/usr/share/java/junit-platform-console-standalone.jar", "junit5"),
+    Program("ruby", "ruby"), Program("grpc_tools_ruby_protoc", "ruby-grpc ruby-grpc-tools"), Program("rspec", "ruby-rspec"),
+];
+
 /// All sections, in the order in which they run.
 #[rustfmt::skip]
 pub(crate) static SECTIONS: &[Section] = &[
@@ -136,6 +151,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "debugging", protects: "a robot's program under avr-gdb", needs: &[Python, AVR_GCC, AVR_LIBC, Program("avr-gdb", "gdb-avr")], check: |shell, _| chips::debugging(shell), ..PLAIN },
     Section { name: "new-brains", protects: "the projects of `baudbot new brain`", needs: &[Python], check: |shell, _| projects::new_brains(shell), ..PLAIN },
     Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages(NodeFolder::TypeScript)], check: |shell, _| projects::examples(shell), ..PLAIN },
+    Section { name: "languages", protects: "brains in C++, Go, Java, Ruby and for Node: built, tested, on that path, and true to the contract", needs: LANGUAGES, check: |shell, _| projects::languages(shell), ..PLAIN },
 
     Section { name: "optimised", rung: Rung::Release, protects: "the tests of numbers and of order in a release build", check: |shell, _| release::optimised(shell), ..PLAIN },
     Section { name: "aarch64", rung: Rung::Release, protects: "the same bits on another processor", needs: &[Target("aarch64-unknown-linux-gnu"), Program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu"), File("/usr/aarch64-linux-gnu/lib/crt1.o", "libc6-dev-arm64-cross"), Program("qemu-aarch64", "qemu-user")], check: |shell, _| release::aarch64(shell), ..PLAIN },

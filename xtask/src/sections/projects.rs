@@ -40,20 +40,38 @@ fn in_place(shell: &Shell, program: &Path, place: &Path) -> Result<(), Failure> 
     let mut build = shell.command("cargo");
     build.arg("build").current_dir(&rust).env("CARGO_TARGET_DIR", target(shell));
     shell.run(build)?;
-    let mut venv = shell.command("python3");
-    venv.args(["-m", "venv"]).arg(python.join(".venv"));
-    shell.run(venv)?;
-    let interpreter = python.join(".venv/bin/python");
-    let mut pip = shell.command(&interpreter);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", "requirements.txt"])
-        .current_dir(&python);
-    shell.run(pip)?;
+    let interpreter = tested_in_python(shell, program, &python)?;
     let mut weaver = shell.command(target(shell).join("debug/weaver"));
     weaver.arg(rust.join("brain.toml")).args(["--world", "wander"]);
     drives(shell, weaver)?;
     let mut timid = shell.command(interpreter);
     timid.arg(python.join("brain.py"));
     drives(shell, timid)
+}
+
+/// The interpreter of a project in Python, whose own test has passed.
+fn tested_in_python(shell: &Shell, program: &Path, python: &Path) -> Result<std::path::PathBuf, Failure> {
+    let mut venv = shell.command("python3");
+    venv.args(["-m", "venv"]).arg(python.join(".venv"));
+    shell.run(venv)?;
+    let interpreter = python.join(".venv/bin/python");
+    let mut pip = shell.command(&interpreter);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "-r",
+        "requirements.txt",
+        "pytest",
+    ])
+    .current_dir(python);
+    shell.run(pip)?;
+    let mut test = shell.command(&interpreter);
+    test.args(["-m", "pytest", "--quiet"]).current_dir(python).env("BAUDBOT", program);
+    shell.run(test)?;
+    Ok(interpreter)
 }
 
 /// A brain drives the robot of a server for ten seconds.
@@ -105,7 +123,64 @@ pub(super) fn examples(shell: &Shell) -> Result<(), Failure> {
     if hashes.iter().any(|hash| *hash != hashes[0]) {
         return Err(Failure::Wrong(format!("the examples do not drive the same path: {hashes:?}")));
     }
+    brains.iter().try_for_each(|brain| conforms(shell, &program, brain))
+}
+
+/// A language with an example of its own, as a user makes a project of it: how it is built, tested and started.
+struct Language {
+    name: &'static str,
+    build: &'static str,
+    test: &'static str,
+    start: &'static str,
+}
+
+const LANGUAGES: [Language; 5] = [
+    Language { name: "cpp", build: "make -j2", test: "make test", start: "build/follow" },
+    Language { name: "go", build: "make", test: "make test", start: "build/follow" },
+    Language { name: "java", build: "make", test: "make test", start: "build/follow" },
+    Language { name: "ruby", build: "make", test: "make test", start: "ruby follow.rb" },
+    Language {
+        name: "node",
+        build: "npm ci --no-audit --no-fund --loglevel=error",
+        test: "npm test",
+        start: "node follow.mjs",
+    },
+];
+
+/// The brains in other languages, each in a project that `baudbot new brain` makes: it is built, its own test drives with a server, it drives
+/// the path of the example in Python to the last bit, and it keeps to the contract.
+pub(super) fn languages(shell: &Shell) -> Result<(), Failure> {
+    let program = built(shell)?;
+    let python = python(shell)?;
+    let path = path_of(shell, &program, &format!("{} client/python/examples/follow.py", python.display()))?;
+    let place = shell.place.scratch("languages").map_err(Failure::file(&shell.place.target))?;
+    for Language { name, build, test, start } in LANGUAGES {
+        let folder = place.join(name);
+        let mut new = shell.command(&program);
+        new.args(["new", "brain"]).arg(&folder).args(["--lang", name]);
+        shell.run(new)?;
+        for line in [build, test] {
+            let mut command = shell.command("sh");
+            command.args(["-c", line]).current_dir(&folder).env("BAUDBOT", &program);
+            shell.run(command)?;
+        }
+        let brain = format!("sh -c 'cd {} && exec {start}'", folder.display());
+        let own = path_of(shell, &program, &brain)?;
+        if own != path {
+            return Err(Failure::Wrong(format!(
+                "the brain in {name} drives another path, {own}, than the one in Python, {path}"
+            )));
+        }
+        conforms(shell, &program, &brain)?;
+    }
     Ok(())
+}
+
+/// A brain keeps to the contract.
+fn conforms(shell: &Shell, program: &Path, brain: &str) -> Result<(), Failure> {
+    let mut conform = shell.command(program);
+    conform.args(["conform", &format!("exec:{brain}"), "--patience", "20"]);
+    shell.run(conform)
 }
 
 /// The state hash of a run, which has no collision.
