@@ -89,6 +89,7 @@ const CURL: Need = Program("curl", "curl");
 const CHROMIUM: Need = Program("chromium", "chromium");
 const AVR_GCC: Need = Program("avr-g++", "gcc-avr binutils-avr");
 const AVR_LIBC: Need = File("/usr/lib/avr/include/avr/io.h", "avr-libc");
+const ARDUINO_CORE: Need = File("/usr/share/arduino/hardware/arduino/avr", "arduino-core-avr");
 const MAKE: Need = Program("make", "make");
 const DEBOOTSTRAP: Need = Program("debootstrap", "debootstrap");
 const TOOLS: Need = NodePackages(NodeFolder::Tools);
@@ -135,7 +136,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "viewer-browser", protects: "a server's page in Chromium", needs: &[Node, TOOLS, VIEWER, CHROMIUM, OPENSSL, Program("certutil", "libnss3-tools")], check: |shell, _| pages::viewer_in_a_browser(shell), ..PLAIN },
     Section { name: "page", protects: "the stand-alone page in Chromium: its size, hashes, brains", needs: &[Node, TOOLS, VIEWER, CHROMIUM, WASI, Python], check: |shell, _| pages::page(shell), ..PLAIN },
     Section { name: "manual", protects: "the manual as a site, without broken links", needs: &[Python], check: |shell, _| python::manual(shell), ..PLAIN },
-    Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python, AVR_GCC, AVR_LIBC, MAKE, CHROMIUM], check: |shell, _| python::manual_commands(shell), ..PLAIN },
+    Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python, AVR_GCC, AVR_LIBC, ARDUINO_CORE, MAKE, CHROMIUM], check: |shell, _| python::manual_commands(shell), ..PLAIN },
     Section { name: "gallery", protects: "the gallery's pictures", needs: &[Python], check: |shell, _| python::gallery(shell), ..PLAIN },
     Section { name: "brains-in-python", protects: "the client's types, stubs and examples", needs: &[Python], check: |shell, _| python::brains(shell), ..PLAIN },
     Section { name: "worlds-in-python", protects: "the Python package: types, ABI, environments, notebooks", needs: &[Python], check: |shell, _| python::worlds(shell), ..PLAIN },
@@ -147,7 +148,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "deployment", protects: "units, manifests, and servers behind a proxy", needs: &[Python, OPENSSL, CURL, NGINX, Program("systemd-analyze", "systemd")], check: |shell, _| servers::deployment(shell), ..PLAIN },
     Section { name: "ports", protects: "programs of others at serial ports", needs: &[Python, Program("gpsd", "gpsd")], check: |shell, _| chips::ports(shell), ..PLAIN },
     Section { name: "microcontroller", protects: "each instruction of the chip beside simavr", needs: &[File("/usr/include/simavr/sim_avr.h", "libsimavr-dev libelf-dev")], check: |shell, _| chips::microcontroller(shell), ..PLAIN },
-    Section { name: "firmware", protects: "sketches and firmware of others on a robot's chip", needs: &[Python, Node, AVR_GCC, AVR_LIBC, File("/usr/share/arduino/hardware/arduino/avr", "arduino-core-avr"), MAKE, Program("gpsd", "gpsd")], check: |shell, _| chips::firmware(shell), ..PLAIN },
+    Section { name: "firmware", protects: "sketches and firmware of others on a robot's chip", needs: &[Python, Node, AVR_GCC, AVR_LIBC, ARDUINO_CORE, MAKE, Program("gpsd", "gpsd")], check: |shell, _| chips::firmware(shell), ..PLAIN },
     Section { name: "debugging", protects: "a robot's program under avr-gdb", needs: &[Python, AVR_GCC, AVR_LIBC, Program("avr-gdb", "gdb-avr")], check: |shell, _| chips::debugging(shell), ..PLAIN },
     Section { name: "new-brains", protects: "the projects of `baudbot new brain`", needs: &[Python], check: |shell, _| projects::new_brains(shell), ..PLAIN },
     Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages(NodeFolder::TypeScript)], check: |shell, _| projects::examples(shell), ..PLAIN },
