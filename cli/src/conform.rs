@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use baudbot_conform::{Brain, CASES, Case, Finding, Provocation, Verdict, examine};
+use baudbot_conform::{Brain, CASES, Case, Finding, NextRun, Verdict, examine};
 use baudbot_experiment::grade::junit::escaped;
 use baudbot_run::programs::{EXEC, Program};
 use serde_json::{Value, json};
@@ -26,11 +26,13 @@ pub(crate) async fn conform(args: &ConformArgs) -> anyhow::Result<ExitCode> {
     inputs.check(args.junit.iter().map(|path| ("--junit", path.as_path())))?;
     let scenario = Source::find(&args.scenario)?.parse(&overrides(&args.changes)?)?;
     let patience = Duration::from_secs(args.patience.into());
-    let mut progress = |run: usize, runs: usize, what: Provocation| {
-        if args.external.is_some() {
-            tell!("[{run}/{runs}] {what}: start the brain");
+    let mut progress = |next: &NextRun| {
+        let NextRun { number, count, provocation, world, robots } = next;
+        if let Some(address) = args.external {
+            let place = format!("BAUDBOT_CONNECT={address} BAUDBOT_WORLD={world} BAUDBOT_ROBOT={robots}");
+            tell!("[{number}/{count}] {provocation}: start the brain with {place}");
         } else if !args.quiet {
-            tell!("[{run}/{runs}] {what}");
+            tell!("[{number}/{count}] {provocation}");
         }
     };
     let examined = examine(&brain, &scenario, args.robot.as_deref(), patience, &mut progress).await;

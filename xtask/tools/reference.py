@@ -133,7 +133,8 @@ def contract():
                 for cell in (what, errors):
                     if len(cell.split()) > LONGEST_CELL:
                         sys.exit(f"{file.name}: the first paragraph of {call[2]} is too long for a table: begin another one")
-                text += f"| `{call[2]}`{streams} | {what} | {errors.strip()} |\n"
+                listed_below = f"[below](#{call[2].lower()})" if any(other.startswith("Errors: ") for other in others) else ""
+                text += f"| `{call[2]}`{streams} | {what} | {errors.strip() or listed_below} |\n"
                 if others:
                     more += f"### {call[2]}\n\n" + "\n\n".join(map(listed, others)) + "\n\n"
             text += "\n" + more

@@ -36,6 +36,7 @@ fn a_brain_of_the_catalogue_does_all_that_it_uses() {
 /// Each fault, and the cases that it fails.
 const FAULTS: &[(&str, &[&str])] = &[
     ("none", &[]),
+    ("stays", &[]),
     ("answers-twice", &["no-second-answer"]),
     ("ignores-readable", &["answers-what-is-readable"]),
     ("forgets-the-token", &["token", "token-again"]),
@@ -59,6 +60,17 @@ fn a_wrong_brain_fails_in_exactly_the_cases_of_its_fault() {
             });
         }
     });
+}
+
+/// A brain may leave when the run is over, or stay for a reset.
+#[test]
+fn a_brain_that_stays_drives_again_after_a_reset() {
+    let after_reset = |fault: &str| {
+        let cases = examined(&wrong_brain(fault), &[]);
+        cases.into_iter().find(|case| case.0 == "reset-after-end").map(|case| case.1)
+    };
+    assert_eq!(after_reset("stays").as_deref(), Some("does"));
+    assert_eq!(after_reset("none").as_deref(), Some("not used"));
 }
 
 /// On an ideal cable whole frames arrive at once, so that this brain drives where nothing is split.

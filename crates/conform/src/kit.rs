@@ -11,6 +11,7 @@ use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_run::programs::{Process, Program, Task};
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 use baudbot_sim::Scenario;
+use futures_util::stream::{self, StreamExt, TryStreamExt};
 use tempfile::TempDir;
 use tokio::net::{TcpListener, UnixListener};
 use tokio::time::{Instant, sleep, timeout};
@@ -46,8 +47,23 @@ pub struct Finding {
     pub printed: Vec<String>,
 }
 
-/// Called before each run, with its number from 1, how many there are, and what happens in it.
-pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, Provocation);
+/// A run that is about to begin.
+#[derive(Clone, Debug)]
+pub struct NextRun {
+    /// Its number, from 1.
+    pub number: usize,
+    /// The number of all runs.
+    pub count: usize,
+    /// What happens in it.
+    pub provocation: Provocation,
+    /// The world, as in `BAUDBOT_WORLD`.
+    pub world: &'static str,
+    /// The robots, as in `BAUDBOT_ROBOT`.
+    pub robots: String,
+}
+
+/// Called before each run.
+pub type Progress<'a> = &'a mut dyn FnMut(&NextRun);
 
 /// Runs a brain through all provocations in this scenario, and judges it.
 ///
@@ -64,21 +80,33 @@ pub async fn examine(
 ) -> Result<Vec<Finding>, KitError> {
     let alone = scene::alone(scenario, robot)?;
     let two = scene::with_two(&alone)?;
-    let all: Vec<_> = Provocation::all().collect();
-    let mut records = HashMap::new();
-    for (place, provocation) in all.iter().enumerate() {
-        progress(place + 1, all.len(), *provocation);
-        let scenario = if provocation.has_two_robots() { &two } else { &alone };
-        let trial =
-            Trial { brain, scenario, provocation: *provocation, patience, token: Token::random()?.reveal() };
-        let record = trial.run().await?;
-        // A brain that never attaches, or is dumb in the plainest of runs, has nothing else to show.
-        let is_hopeless = *provocation == Provocation::Plain && !record.answers();
-        records.insert(*provocation, (record, trial.token));
-        if is_hopeless {
-            break;
+    let count = Provocation::all().count();
+    let scenario_of = |provocation: Provocation| if provocation.has_two_robots() { &two } else { &alone };
+    let mut next = |number: usize, provocation: Provocation| {
+        let robots: Vec<_> = scenario_of(provocation).robots.iter().map(|spec| spec.name.as_str()).collect();
+        progress(&NextRun { number, count, provocation, world: WORLD, robots: robots.join(",") });
+    };
+    let trial = |provocation: Provocation| {
+        let scenario = scenario_of(provocation);
+        async move {
+            let trial = Trial { brain, scenario, provocation, patience, token: Token::random()?.reveal() };
+            let record = trial.run().await?;
+            Ok::<_, KitError>((provocation, (record, trial.token)))
         }
-    }
+    };
+    next(1, Provocation::Plain);
+    let plain = trial(Provocation::Plain).await?;
+    // A brain that never attaches, or is dumb in the plainest of runs, has nothing else to show.
+    let others = if plain.1.0.answers() { count } else { 1 };
+    let others = (1..).zip(Provocation::all()).take(others).skip(1);
+    let others = stream::iter(others).map(|(place, provocation)| {
+        next(place, provocation);
+        trial(provocation)
+    });
+    // They wait most of the time. At one address there can be one after the other only.
+    let at_once = if matches!(brain, Brain::Program(_)) { AT_ONCE } else { 1 };
+    let mut records: HashMap<_, _> = others.buffered(at_once).try_collect().await?;
+    records.extend([plain]);
     let runs = Runs(records);
     let find = |case: &'static Case| Finding {
         case,
@@ -190,7 +218,8 @@ impl Trial<'_> {
                 return true;
             }
             // Who tries again and again has been understood.
-            if self.provocation.refusal().is_some() && spy.record().streams.len() > MOST_ATTEMPTS {
+            let is_refused = self.provocation.refusal().is_some() || self.provocation == Provocation::Deleted;
+            if is_refused && spy.record().streams.len() > MOST_ATTEMPTS {
                 return false;
             }
         }
@@ -265,6 +294,9 @@ async fn hash(spy: &Spy) -> Option<String> {
     let answer = ControlServiceClient::new(spy.world.clone()).get_world(request).await.ok()?;
     Some(answer.into_inner().status?.state_hash.to_string())
 }
+
+/// The runs that go on side by side.
+const AT_ONCE: usize = 4;
 
 /// The name of the socket in its folder.
 const SOCKET: &str = "socket";

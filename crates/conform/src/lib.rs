@@ -24,5 +24,5 @@ mod spy;
 pub use case::{CASES, Case};
 pub use error::KitError;
 pub use evidence::Verdict;
-pub use kit::{Brain, Finding, Progress, examine};
+pub use kit::{Brain, Finding, NextRun, Progress, examine};
 pub use provocation::Provocation;

@@ -222,7 +222,8 @@ impl Relay {
 
     async fn turn(&mut self, turn: v1::Turn) -> Goes {
         let mut turn = turn;
-        if self.turns >= AFTER && !self.has_happened {
+        // What happens at the end has its own time.
+        if self.turns >= AFTER && !self.has_happened && self.spy.provocation != Provocation::End {
             if let Some(goes) = self.happens().await {
                 return goes;
             }
