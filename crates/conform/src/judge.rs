@@ -195,7 +195,7 @@ of_stream! {
         }
         match seen.drove_on(stream) {
             Verdict::Does => unless((stream.outputs() == 0).then(|| "it writes nothing".to_owned())),
-            other => other,
+            other @ (Verdict::DoesNot(_) | Verdict::NotUsed(_)) => other,
         }
     }
 }

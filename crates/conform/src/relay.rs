@@ -102,14 +102,14 @@ impl Relay {
         loop {
             let goes = tokio::select! {
                 said = brain.message() => match said {
-                    Ok(Some(request)) => self.from_brain(request, &to_world).await,
+                    Ok(Some(request)) => self.take_from_brain(request, &to_world).await,
                     Ok(None) | Err(_) => {
                         self.note(Event::Closed);
                         Goes::Ends
                     }
                 },
                 said = world.message() => match said {
-                    Ok(Some(response)) => self.from_world(response).await,
+                    Ok(Some(response)) => self.take_from_world(response).await,
                     Ok(None) => Goes::Ends,
                     Err(status) => {
                         let _ = self.to_brain.send(Err(status)).await;
@@ -145,7 +145,11 @@ impl Relay {
         self.spy.note(self.stream, event);
     }
 
-    async fn from_brain(&mut self, request: AttachRequest, to_world: &mpsc::Sender<AttachRequest>) -> Goes {
+    async fn take_from_brain(
+        &mut self,
+        request: AttachRequest,
+        to_world: &mpsc::Sender<AttachRequest>,
+    ) -> Goes {
         let request = match request.request {
             Some(Request::Hello(_)) => {
                 self.note(Event::SecondHello);
@@ -196,7 +200,7 @@ impl Relay {
         Some(v1::Step { turn, robots: sound })
     }
 
-    async fn from_world(&mut self, response: AttachResponse) -> Goes {
+    async fn take_from_world(&mut self, response: AttachResponse) -> Goes {
         match response.response {
             Some(Response::Welcome(welcome)) => {
                 self.sensors = welcome.robots.iter().map(|robot| robot.sensors.len() as u32).collect();
@@ -223,10 +227,9 @@ impl Relay {
     async fn turn(&mut self, turn: v1::Turn) -> Goes {
         let mut turn = turn;
         // What happens at the end has its own time.
-        if self.turns >= AFTER && !self.has_happened && self.spy.provocation != Provocation::End {
-            if let Some(goes) = self.happens().await {
-                return goes;
-            }
+        let is_due = self.turns >= AFTER && !self.has_happened && self.spy.provocation != Provocation::End;
+        if is_due && let Some(goes) = self.happens().await {
+            return goes;
         }
         self.turns += 1;
         turn.robots.iter_mut().for_each(|part| self.change(part));
@@ -274,7 +277,7 @@ impl Relay {
         None
     }
 
-    async fn tell(&mut self, response: AttachResponse) {
+    async fn tell(&self, response: AttachResponse) {
         let _ = self.to_brain.send(Ok(response)).await;
     }
 

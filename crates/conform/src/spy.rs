@@ -109,7 +109,7 @@ impl Spy {
             match brain.attach(ReceiverStream::new(sent)).await {
                 Ok(answer) => return Ok((requests, answer.into_inner())),
                 Err(status) if status.code() == Code::AlreadyExists && Instant::now() < patience => {
-                    sleep(A_MOMENT).await
+                    sleep(A_MOMENT).await;
                 }
                 Err(status) => return Err(status),
             }
