@@ -90,7 +90,8 @@ impl WrongBrain {
         self.commands += 1;
         let nearest =
             turn.readings.iter().filter_map(|reading| self.nearness(robot, reading)).fold(0.0, f64::max);
-        let left = if self.has("sends-nan") && self.commands.is_multiple_of(10) { f64::NAN } else { 0.3 - nearest };
+        let left =
+            if self.has("sends-nan") && self.commands.is_multiple_of(10) { f64::NAN } else { 0.3 - nearest };
         let command = v1::Command { left_signal: left, right_signal: 0.3, other_signals: Vec::new() };
         v1::RobotStep { robot, until_message, output: Some(Output::Command(command)), ..Default::default() }
     }

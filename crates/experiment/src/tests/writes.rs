@@ -24,16 +24,25 @@ fn robot(cable: &str) -> String {
         ("ir_right", -0.8),
         ("eye", 0.0),
         ("ahead", 0.0),
+        ("left", 0.4),
+        ("right", -0.4),
+        ("left_ear", 0.8),
+        ("right_ear", -0.8),
+        ("eye_left", 0.4),
+        ("eye_right", -0.4),
     ];
     let eyes: String = eyes.into_iter().map(|(name, bearing_rad)| eye(name, bearing_rad)).collect();
     format!(
         "step_ms = 10.0\nend.after_s = 15.0\n\
          [[arena.polygons]]\nname = \"wall\"\nsolid = false\npoints_m = [[-3, -3], [3, -3], [3, 3], [-3, 3]]\n\
          [[arena.fields]]\nname = \"smell\"\nsources = [{{ x_m = 1.0, y_m = 1.0, strength = 1.0, width_m = 2.0 }}]\n\
+         [[arena.fields]]\nname = \"lure\"\ntrail = {{ corner_m = [-3.0, -3.0], size_m = [6.0, 6.0], cell_m = 0.2, decay_s = 60.0 }}\n\
          [[robots]]\nname = \"r\"\n\
          body = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }}\n\
          motors = {{ signal_bits = 8 }}\n{cable}\n\
          battery = {{ nominal_v = 12.0, capacity_mah = 1200.0 }}\n{eyes}\
+         [robots.actuators.call]\nkind = \"speaker\"\nlevel = 1.0\n\
+         [robots.actuators.gland]\nkind = \"dispenser\"\nfield = \"lure\"\nrate_per_s = 0.02\n\
          [robots.sensors.odometer]\nkind = \"odometer\"\nperiod_ms = 20.0\n\
          [robots.sensors.gauge]\nkind = \"battery\"\nperiod_ms = 100.0\n\
          [robots.sensors.nose]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
