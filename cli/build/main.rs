@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     python(&root.join("client/python"), &mut archive)?;
     let contract = watched(&root.join(CONTRACT))?;
     for language in EXAMPLES {
-        archive.add_folder(&root.join("examples").join(language), ".", language, |_| true)?;
+        example(&root.join("examples").join(language), language, &mut archive)?;
         archive.add(&format!("{language}/{CONTRACT}"), contract.as_bytes());
     }
     let out = PathBuf::from(env::var("OUT_DIR")?).join("sources.lz4");
@@ -93,6 +93,25 @@ fn python(package: &Path, archive: &mut Archive) -> Result<(), Box<dyn Error>> {
     archive.add_folder(&package.join("src"), "src", "python/baudbot-client", is_part)
 }
 
+/// An example, without what was built in its folder.
+fn example(folder: &Path, language: &str, archive: &mut Archive) -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed={}", folder.display());
+    let mut entries = fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let (path, file) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        if LEFT_OUT.contains(&file.as_str()) {
+            continue;
+        }
+        if path.is_dir() {
+            archive.add_folder(&path, &file, language, |_| true)?;
+        } else {
+            archive.add(&format!("{language}/{file}"), &fs::read(path)?);
+        }
+    }
+    Ok(())
+}
+
 /// Whether a crate needs the file when it is built: modules of tests alone it does not.
 fn is_source(name: &str) -> bool {
     let Some((stem, "rs" | "toml" | "bin" | "py")) = name.rsplit_once('.') else { return false };
@@ -129,10 +148,7 @@ impl Archive {
         entries.sort_by_key(fs::DirEntry::file_name);
         for entry in entries {
             let (path, file) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-            let name = if name == "." { file.clone() } else { format!("{name}/{file}") };
-            if LEFT_OUT.contains(&file.as_str()) {
-                continue;
-            }
+            let name = format!("{name}/{file}");
             if path.is_dir() {
                 self.add_folder(&path, &name, within, takes)?;
             } else if takes(&file) {

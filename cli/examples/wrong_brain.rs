@@ -132,7 +132,12 @@ async fn attach(fault: &str, attached: &mut bool) -> Result<(), Status> {
         thinks_as_scenario: true,
         ..Default::default()
     };
-    brain.say(Request::Hello(hello)).await;
+    brain.say(Request::Hello(hello.clone())).await;
+    if brain.has("greets-twice") {
+        brain.say(Request::Hello(hello)).await;
+    } else if brain.has("steps-before-the-welcome") {
+        brain.say(Request::Step(v1::Step::default())).await;
+    }
     let mut request = tonic::Request::new(ReceiverStream::new(requests));
     if fault != "forgets-the-token" {
         let token = format!("Bearer {}", variable("BAUDBOT_TOKEN")).parse().expect("a token");

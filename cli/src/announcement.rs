@@ -1,14 +1,13 @@
 //! The word to programs that a server is ready: a file with its address, and a line of JSON.
 
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
 use baudbot_server::Server;
 use baudbot_sim::Scenario;
 use serde_json::json;
-use tempfile::NamedTempFile;
 
 use crate::text;
 
@@ -52,8 +51,7 @@ impl Announcement {
     pub(crate) fn ready(&self, server: &Server, live: &[(String, Arc<Scenario>)]) -> anyhow::Result<()> {
         let connect = server.client_address().map(|(address, _)| address);
         if let (Some(path), Some(address)) = (&self.port_file, &connect) {
-            write_whole(path, &format!("{address}\n"))
-                .with_context(|| format!("--port-file {}: cannot be written", path.display()))?;
+            text::replace(path, &format!("{address}\n")).context("--port-file")?;
         }
         if !self.json {
             return Ok(());
@@ -72,13 +70,4 @@ impl Announcement {
             "worlds": worlds,
         }))
     }
-}
-
-/// Makes the file in one step, so that whoever finds it finds all of it.
-fn write_whole(path: &Path, text: &str) -> std::io::Result<()> {
-    let folder =
-        path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
-    let mut file = NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.persist(path).map(drop).map_err(|error| error.error)
 }

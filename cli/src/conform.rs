@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::args::ConformArgs;
 use crate::error::Refused;
-use crate::output_files::{self, Inputs};
+use crate::output_files::Inputs;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text::{self, tell};
@@ -81,7 +81,7 @@ fn case_json(case: &Case) -> Value {
 
 fn report(args: &ConformArgs, brain: &str, findings: &[Finding]) -> anyhow::Result<()> {
     if let Some(path) = &args.junit {
-        output_files::open(path)?.write_all(junit(brain, findings).as_bytes())?;
+        text::write(path, &junit(brain, findings))?;
     }
     if args.json {
         text::print_json(&as_json(brain, findings))
@@ -100,8 +100,17 @@ fn why(verdict: &Verdict) -> Option<&str> {
     }
 }
 
-fn count(findings: &[Finding], word: &str) -> usize {
-    findings.iter().filter(|finding| finding.verdict.to_string() == word).count()
+/// The cases that it does, does not, and has no use for.
+fn counts(findings: &[Finding]) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for finding in findings {
+        counts[match finding.verdict {
+            Verdict::Does => 0,
+            Verdict::DoesNot(_) => 1,
+            Verdict::NotUsed(_) => 2,
+        }] += 1;
+    }
+    counts
 }
 
 fn as_text(brain: &str, findings: &[Finding]) -> String {
@@ -121,7 +130,7 @@ fn as_text(brain: &str, findings: &[Finding]) -> String {
             });
         }
     }
-    let [does, does_not, not_used] = ["does", "does not", "not used"].map(|word| count(findings, word));
+    let [does, does_not, not_used] = counts(findings);
     text + &format!(
         "{brain}: of {} cases {does} does, {does_not} does not, {not_used} not used\n",
         findings.len()
@@ -138,13 +147,12 @@ fn as_json(brain: &str, findings: &[Finding]) -> Value {
         }
         case
     });
-    let counts = ["does", "does not", "not used"].map(|word| count(findings, word));
-    let [does, does_not, not_used] = counts;
+    let [does, does_not, not_used] = counts(findings);
     json!({ "brain": brain, "does": does, "does_not": does_not, "not_used": not_used, "cases": cases.collect::<Vec<_>>() })
 }
 
 fn junit(brain: &str, findings: &[Finding]) -> String {
-    let (failures, skipped) = (count(findings, "does not"), count(findings, "not used"));
+    let [_, failures, skipped] = counts(findings);
     let mut xml = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\">\n",
         escaped(brain),

@@ -4,8 +4,9 @@
 //! and stderr as text goes through here, where such characters are shown instead.
 
 use std::fmt;
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io::{self, Write};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use anyhow::Context;
@@ -104,6 +105,20 @@ pub(crate) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
         return write_out(text);
     }
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes a file in one step: whoever finds it finds all of it, and a full disk or a power cut leaves the old one.
+pub(crate) fn replace(path: &Path, text: &str) -> anyhow::Result<()> {
+    let write = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        // The permissions are those of any other new file, less the user's mask.
+        let mut builder = tempfile::Builder::new();
+        builder.permissions(Permissions::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder.unwrap_or_else(|| Path::new(".")))?;
+        file.write_all(text.as_bytes())?;
+        file.persist(path).map(drop).map_err(|error| error.error)
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

@@ -146,6 +146,8 @@ def listed(paragraph):
     if not paragraph.startswith("Errors: "):
         return paragraph
     errors = re.findall(r"([A-Z_]{5,}) \((.*?)\)(?=, [A-Z_]{5,} \(|\.$)", paragraph)
+    if len(errors) != len(re.findall(r"[A-Z_]{5,} \(", paragraph)):
+        sys.exit(f"errors are written as CODE (occasion), CODE (occasion).: {paragraph}")
     return "Errors:\n\n" + "\n".join(f"- {code}: {occasion}" for code, occasion in errors)
 
 

@@ -1,15 +1,14 @@
 //! A table that grows at its end, and whose last step can be taken back: the file is whole after each change.
 
-use std::fs::{self, Permissions};
-use std::io::{ErrorKind, Write};
-use std::os::unix::fs::PermissionsExt;
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use baudbot_plot::quantity::count;
 
 use super::header;
 use crate::error::Refused;
+use crate::text;
 
 /// The rows of a file, by distance.
 pub(super) struct Table {
@@ -80,19 +79,8 @@ impl Table {
 
     /// Another file takes its place at once, so that a full disk or a power cut leaves the old one.
     fn write(&self) -> anyhow::Result<()> {
-        let unwritable = || format!("cannot write {}", self.path.display());
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        // The permissions are those of any other new file, less the user's mask.
-        let mut builder = tempfile::Builder::new();
-        builder.permissions(Permissions::from_mode(0o666));
-        let mut file =
-            builder.tempfile_in(folder.unwrap_or_else(|| Path::new("."))).with_context(unwritable)?;
-        file.write_all(self.head.as_bytes()).with_context(unwritable)?;
-        for row in &self.rows {
-            writeln!(file, "{row}").with_context(unwritable)?;
-        }
-        file.persist(&self.path).with_context(unwritable)?;
-        Ok(())
+        let lines = self.rows.iter().flat_map(|row| [row.as_str(), "\n"]);
+        text::replace(&self.path, &std::iter::once(self.head.as_str()).chain(lines).collect::<String>())
     }
 }
 

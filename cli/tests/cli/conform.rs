@@ -37,6 +37,8 @@ fn a_brain_of_the_catalogue_does_all_that_it_uses() {
 const FAULTS: &[(&str, &[&str])] = &[
     ("none", &[]),
     ("stays", &[]),
+    ("greets-twice", &["hello-once"]),
+    ("steps-before-the-welcome", &["welcome-before-step"]),
     ("answers-twice", &["no-second-answer"]),
     ("ignores-readable", &["answers-what-is-readable"]),
     ("forgets-the-token", &["token", "token-again"]),

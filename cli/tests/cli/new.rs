@@ -96,3 +96,25 @@ fn what_cannot_be_made_is_refused() {
     let (code, _, err) = baudbot(&["new", "brain", &folder("lost"), "--baudbot", "/nowhere"]);
     assert!(code == 2 && err.contains("--baudbot /nowhere: baudbot's source is not there"), "{err}");
 }
+
+/// What is built in a clone's folder is not in the project, and the contract is.
+#[test]
+fn a_project_in_another_language_has_the_contract_with_it() {
+    for (language, brain) in [
+        ("cpp", "follow.hpp"),
+        ("go", "follow.go"),
+        ("java", "Follow.java"),
+        ("node", "follow.mjs"),
+        ("ruby", "follow.rb"),
+        ("typescript", "gen/baudbot/v1/brain_link_pb.ts"),
+    ] {
+        let folder = folder(&format!("follow-{language}"));
+        good(&["new", "brain", &folder, "--lang", language]);
+        for file in ["README.md", "proto/baudbot/v1/brain_link.proto", brain] {
+            assert!(Path::new(&folder).join(file).is_file(), "{language}: {file}");
+        }
+        for left_out in ["build", "node_modules", "generate"] {
+            assert!(!Path::new(&folder).join(left_out).exists(), "{language}: {left_out}");
+        }
+    }
+}

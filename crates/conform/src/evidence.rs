@@ -25,8 +25,11 @@ pub(crate) struct Evidence<'a> {
     pub(crate) token: &'a str,
 }
 
+/// The verdict; an `Err` is one that needs no look at what the case is about, as there is no stream.
+pub(crate) type Judgement = Result<Verdict, Verdict>;
+
 /// A judge of a case.
-pub(crate) type Judge = fn(&Evidence<'_>) -> Verdict;
+pub(crate) type Judge = fn(&Evidence<'_>) -> Judgement;
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -38,28 +41,32 @@ impl fmt::Display for Verdict {
     }
 }
 
-pub(crate) fn does_not(why: impl Into<String>) -> Verdict {
-    Verdict::DoesNot(why.into())
+pub(crate) fn does_not(why: impl Into<String>) -> Judgement {
+    Ok(Verdict::DoesNot(why.into()))
 }
 
-pub(crate) fn not_used(why: impl Into<String>) -> Verdict {
-    Verdict::NotUsed(why.into())
+pub(crate) fn not_used(why: impl Into<String>) -> Judgement {
+    Ok(Verdict::NotUsed(why.into()))
 }
 
 /// It does, unless there is a complaint.
-pub(crate) fn unless(complaint: Option<String>) -> Verdict {
-    complaint.map_or(Verdict::Does, Verdict::DoesNot)
+pub(crate) fn unless(complaint: Option<String>) -> Judgement {
+    Ok(complaint.map_or(Verdict::Does, Verdict::DoesNot))
 }
 
 impl Evidence<'_> {
     pub(crate) fn stream(&self) -> Result<&Stream, Verdict> {
-        self.record.first().ok_or_else(|| does_not(format!("it does not attach{}", self.ended())))
+        self.record.first().ok_or_else(|| Verdict::DoesNot(format!("it does not attach{}", self.ended())))
     }
 
     /// The first stream, if the brain speaks in messages.
     pub(crate) fn messages(&self) -> Result<&Stream, Verdict> {
         let stream = self.stream()?;
-        if stream.is_raw() { Err(not_used("it reads and writes bytes")) } else { Ok(stream) }
+        if stream.is_raw() {
+            Err(Verdict::NotUsed("it reads and writes bytes".to_owned()))
+        } else {
+            Ok(stream)
+        }
     }
 
     /// How the program ended, behind a sentence.
@@ -71,7 +78,7 @@ impl Evidence<'_> {
     }
 
     /// Whether the brain answered to the end of the run, and the complaint if it did not.
-    pub(crate) fn drove_on(&self, stream: &Stream) -> Verdict {
+    pub(crate) fn drove_on(&self, stream: &Stream) -> Judgement {
         let answered = stream.steps().count();
         let given = stream.turns().count();
         if stream.events.iter().any(|event| matches!(event, Event::Ended)) || answered == given {
@@ -82,17 +89,3 @@ impl Evidence<'_> {
         does_not(format!("it answers {answered} of {given} Turns, and then no more{}", self.ended()))
     }
 }
-
-/// A judge of the first stream.
-macro_rules! of_stream {
-    ($($(#[$doc:meta])* $name:ident($seen:ident, $stream:ident from $from:ident) $body:block)*) => {$(
-        $(#[$doc])*
-        pub(crate) fn $name($seen: &Evidence<'_>) -> Verdict {
-            match $seen.$from() {
-                Ok($stream) => $body,
-                Err(verdict) => verdict,
-            }
-        }
-    )*};
-}
-pub(crate) use of_stream;

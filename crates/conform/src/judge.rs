@@ -5,198 +5,279 @@ use std::collections::{BTreeMap, BTreeSet};
 use baudbot_proto::v1;
 use baudbot_proto::v1::robot_step::Output;
 
-use crate::evidence::{Evidence, Verdict, does_not, not_used, of_stream, unless};
+use crate::evidence::{Evidence, Judgement, Verdict, does_not, not_used, unless};
 use crate::record::{Event, Stream};
 
-of_stream! {
-    greets_first(seen, stream from stream) {
-        let is_early = stream.events.iter().any(|event| matches!(event, Event::BeforeHello));
-        unless(match (is_early, &stream.hello) {
-            (true, _) => Some("another request comes before the Hello".to_owned()),
-            (false, None) => Some(format!("no Hello comes{}", seen.ended())),
-            (false, Some(_)) => None,
-        })
+pub(crate) fn greets_first(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let is_early = stream.events.iter().any(|event| matches!(event, Event::BeforeHello));
+    unless(match (is_early, &stream.hello) {
+        (true, _) => Some("another request comes before the Hello".to_owned()),
+        (false, None) => Some(format!("no Hello comes{}", seen.ended())),
+        (false, Some(_)) => None,
+    })
+}
+
+pub(crate) fn greets_once(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let again = stream.events.iter().filter(|event| matches!(event, Event::SecondHello)).count();
+    unless((again > 0).then(|| format!("{again} more Hellos come")))
+}
+
+pub(crate) fn waits_for_welcome(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let early = stream.events.iter().any(|event| matches!(event, Event::BeforeWelcome));
+    unless(early.then(|| "a Step comes before the Welcome".to_owned()))
+}
+
+pub(crate) fn names_the_world(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let world = stream.hello.as_ref().map_or("", |hello| &hello.world);
+    unless((world != crate::scene::WORLD).then(|| format!("it names the world `{world}`")))
+}
+
+pub(crate) fn names_the_robots(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let named = stream.hello.as_ref().map_or(&[][..], |hello| &hello.robots);
+    let (named, given) = (named.join(","), seen.record.robots.join(","));
+    unless((named != given).then(|| format!("BAUDBOT_ROBOT is `{given}`, and it names `{named}`")))
+}
+
+pub(crate) fn has_a_name(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let name = stream.hello.as_ref().map_or("", |hello| &hello.brain);
+    let is_bad = name.is_empty() || name.chars().count() > 64 || name.chars().any(char::is_control);
+    unless(is_bad.then(|| format!("its name is {name:?}")))
+}
+
+pub(crate) fn shows_its_token(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    shown(seen, stream)
+}
+
+pub(crate) fn answers(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    seen.drove_on(stream)
+}
+
+pub(crate) fn answers_once(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let mut known = BTreeSet::new();
+    let again = stream.steps().filter(|step| step.turn != 0 && !known.insert(step.turn)).count();
+    unless((again > 0).then(|| format!("{again} Turns have a second answer")))
+}
+
+pub(crate) fn is_silent_unasked(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let unasked = stream.steps().filter(|step| step.turn == 0).count();
+    unless((unasked > 0).then(|| format!("{unasked} Steps answer no Turn")))
+}
+
+pub(crate) fn repeats_the_number(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let given: BTreeSet<_> = stream.turns().map(|turn| turn.turn).collect();
+    let wrong = stream.steps().find(|step| step.turn != 0 && !given.contains(&step.turn));
+    unless(wrong.map(|step| format!("a Step answers Turn {}, which was never given", step.turn)))
+}
+
+pub(crate) fn keeps_its_promise(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    if !stream.hello.as_ref().is_some_and(|hello| hello.thinks_as_scenario) {
+        return not_used("it does not promise it");
     }
-    greets_once(_seen, stream from stream) {
-        let again = stream.events.iter().filter(|event| matches!(event, Event::SecondHello)).count();
-        unless((again > 0).then(|| format!("{again} more Hellos come")))
+    let turns: BTreeMap<_, _> = stream.turns().map(|turn| (turn.turn, robots_of(turn))).collect();
+    let broken = stream.steps().find_map(|step| {
+        let asked = turns.get(&step.turn)?;
+        let given: BTreeSet<_> = step.robots.iter().map(|part| part.robot).collect();
+        (*asked != given)
+            .then(|| format!("Turn {} has the robots {asked:?}, and its Step has {given:?}", step.turn))
+    });
+    unless(broken)
+}
+
+pub(crate) fn sets_no_thinking_time(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    if !stream.hello.as_ref().is_some_and(|hello| hello.thinks_as_scenario) {
+        return not_used("it does not promise it");
     }
-    waits_for_welcome(_seen, stream from stream) {
-        let early = stream.events.iter().any(|event| matches!(event, Event::BeforeWelcome));
-        unless(early.then(|| "a Step comes before the Welcome".to_owned()))
+    let sets = |part: &v1::RobotStep| part.thinking_ns.is_some() || part.operations.is_some();
+    unless(stream.parts().any(sets).then(|| "a Step sets thinking_ns or operations".to_owned()))
+}
+
+pub(crate) fn has_known_robots(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let robots = stream.hello.as_ref().map_or(0, |hello| hello.robots.len());
+    let wrong = stream.parts().find(|part| part.robot as usize >= robots);
+    unless(wrong.map(|part| format!("a Step has a robot {}, of {robots}", part.robot)))
+}
+
+pub(crate) fn sends_finite_signals(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.messages()?;
+    let is_bad = |command: &v1::Command| signals(command).any(|signal| !signal.is_finite());
+    unless(stream.commands().find(|(_, command)| is_bad(command)).map(|(_, command)| said(command)))
+}
+
+pub(crate) fn keeps_to_the_limit(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.messages()?;
+    let limit_of = |robot: u32| sheet(stream, robot).and_then(|sheet| sheet.signal_limit);
+    if limit_of(0).is_none() {
+        return not_used("the motors have no limit");
     }
-    names_the_world(_seen, stream from stream) {
-        let world = stream.hello.as_ref().map_or("", |hello| &hello.world);
-        unless((world != crate::scene::WORLD).then(|| format!("it names the world `{world}`")))
+    let wheels = |command: &v1::Command| command.left_signal.abs().max(command.right_signal.abs());
+    let over = |&(robot, command): &(u32, &v1::Command)| {
+        limit_of(robot).is_some_and(|limit| wheels(command) > limit)
+    };
+    unless(stream.commands().find(over).map(|(_, command)| said(command)))
+}
+
+pub(crate) fn counts_other_signals(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.messages()?;
+    let actuators = |robot: u32| sheet(stream, robot).map_or(0, |sheet| sheet.actuators.len());
+    let is_wrong = |&(robot, command): &(u32, &v1::Command)| {
+        !command.other_signals.is_empty() && command.other_signals.len() != actuators(robot)
+    };
+    unless(stream.commands().find(is_wrong).map(|(robot, command)| {
+        format!("{} other signals for {} actuators", command.other_signals.len(), actuators(robot))
+    }))
+}
+
+pub(crate) fn speaks_in_its_mode(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let is_wrong = |part: &&v1::RobotStep| match &part.output {
+        Some(Output::Raw(_)) => !stream.is_raw(),
+        Some(Output::Command(_) | Output::Poll(_)) => stream.is_raw(),
+        None => false,
+    };
+    let mode = if stream.is_raw() { "RAW" } else { "MESSAGES" };
+    unless(
+        stream.parts().find(is_wrong).map(|_| format!("its mode is {mode}, and an output is of the other")),
+    )
+}
+
+pub(crate) fn waits_for_messages(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let waits = stream.parts().filter(|part| part.until_message.is_some()).count();
+    if waits > 0 { Ok(Verdict::Does) } else { not_used("it gets a Turn for each tick") }
+}
+
+pub(crate) fn waits_into_the_future(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let times: BTreeMap<_, _> = stream
+        .turns()
+        .flat_map(|turn| turn.robots.iter().map(|part| ((turn.turn, part.robot), part.at_ns)))
+        .collect();
+    let mut limits = stream.steps().flat_map(|step| step.robots.iter().map(move |part| (step.turn, part)));
+    let is_past = |(turn, part): &(u64, &v1::RobotStep)| {
+        let limit = part.until_message.and_then(|until| until.at_latest_ns);
+        limit.zip(times.get(&(*turn, part.robot))).is_some_and(|(limit, at)| limit <= *at)
+    };
+    if !stream.parts().any(|part| part.until_message.is_some_and(|until| until.at_latest_ns.is_some())) {
+        return not_used("it sets no such time");
     }
-    names_the_robots(seen, stream from stream) {
-        let robots = stream.hello.as_ref().map(|hello| hello.robots.join(",")).unwrap_or_default();
-        let count = seen.record.first().and_then(|stream| stream.hello.as_ref()).map_or(0, |hello| hello.robots.len());
-        unless((count != 2).then(|| format!("BAUDBOT_ROBOT has two names, and it names `{robots}`")))
+    unless(limits.find(is_past).map(|(turn, _)| format!("in the answer to Turn {turn} that time is over")))
+}
+
+pub(crate) fn needs_no_memory_off_board(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let is_onboard = sheet(stream, 0).is_some_and(|sheet| sheet.onboard);
+    match stream.hello.as_ref().and_then(|hello| hello.memory_bytes) {
+        None => not_used("it names no memory"),
+        Some(_) => unless((!is_onboard).then(|| "its brain does not run on board".to_owned())),
     }
-    has_a_name(_seen, stream from stream) {
-        let name = stream.hello.as_ref().map_or("", |hello| &hello.brain);
-        let is_bad = name.is_empty() || name.chars().count() > 64 || name.chars().any(char::is_control);
-        unless(is_bad.then(|| format!("its name is {name:?}")))
-    }
-    shows_its_token(seen, stream from stream) {
-        shown(seen, stream)
-    }
-    answers(seen, stream from stream) { seen.drove_on(stream) }
-    answers_once(_seen, stream from stream) {
-        let mut known = BTreeSet::new();
-        let again = stream.steps().filter(|(step, _)| step.turn != 0 && !known.insert(step.turn)).count();
-        unless((again > 0).then(|| format!("{again} Turns have a second answer")))
-    }
-    is_silent_unasked(_seen, stream from stream) {
-        let unasked = stream.steps().filter(|(step, _)| step.turn == 0).count();
-        unless((unasked > 0).then(|| format!("{unasked} Steps answer no Turn")))
-    }
-    repeats_the_number(_seen, stream from stream) {
-        let given: BTreeSet<_> = stream.turns().map(|turn| turn.turn).collect();
-        let wrong = stream.steps().find(|(step, _)| step.turn != 0 && !given.contains(&step.turn));
-        unless(wrong.map(|(step, _)| format!("a Step answers Turn {}, which was never given", step.turn)))
-    }
-    keeps_its_promise(_seen, stream from stream) {
-        if !stream.hello.as_ref().is_some_and(|hello| hello.thinks_as_scenario) {
-            return not_used("it does not promise it");
-        }
-        let turns: BTreeMap<_, _> = stream.turns().map(|turn| (turn.turn, robots_of(turn))).collect();
-        let broken = stream.steps().find_map(|(step, _)| {
-            let asked = turns.get(&step.turn)?;
-            let given: BTreeSet<_> = step.robots.iter().map(|part| part.robot).collect();
-            (*asked != given).then(|| format!("Turn {} has the robots {asked:?}, and its Step has {given:?}", step.turn))
-        });
-        unless(broken)
-    }
-    sets_no_thinking_time(_seen, stream from stream) {
-        if !stream.hello.as_ref().is_some_and(|hello| hello.thinks_as_scenario) {
-            return not_used("it does not promise it");
-        }
-        let sets = |part: &v1::RobotStep| part.thinking_ns.is_some() || part.operations.is_some();
-        unless(stream.parts().any(sets).then(|| "a Step sets thinking_ns or operations".to_owned()))
-    }
-    has_known_robots(_seen, stream from stream) {
-        let robots = stream.hello.as_ref().map_or(0, |hello| hello.robots.len());
-        let wrong = stream.parts().find(|part| part.robot as usize >= robots);
-        unless(wrong.map(|part| format!("a Step has a robot {}, of {robots}", part.robot)))
-    }
-    sends_finite_signals(_seen, stream from messages) {
-        let is_bad = |command: &v1::Command| signals(command).any(|signal| !signal.is_finite());
-        unless(stream.commands().find(|(_, command)| is_bad(command)).map(|(_, command)| said(command)))
-    }
-    keeps_to_the_limit(_seen, stream from messages) {
-        let limit_of = |robot: u32| sheet(stream, robot).and_then(|sheet| sheet.signal_limit);
-        if limit_of(0).is_none() {
-            return not_used("the motors have no limit");
-        }
-        let wheels = |command: &v1::Command| command.left_signal.abs().max(command.right_signal.abs());
-        let over = |&(robot, command): &(u32, &v1::Command)| limit_of(robot).is_some_and(|limit| wheels(command) > limit);
-        unless(stream.commands().find(over).map(|(_, command)| said(command)))
-    }
-    counts_other_signals(_seen, stream from messages) {
-        let actuators = |robot: u32| sheet(stream, robot).map_or(0, |sheet| sheet.actuators.len());
-        let is_wrong = |&(robot, command): &(u32, &v1::Command)| {
-            !command.other_signals.is_empty() && command.other_signals.len() != actuators(robot)
-        };
-        unless(stream.commands().find(is_wrong).map(|(robot, command)| {
-            format!("{} other signals for {} actuators", command.other_signals.len(), actuators(robot))
-        }))
-    }
-    speaks_in_its_mode(_seen, stream from stream) {
-        let is_wrong = |part: &&v1::RobotStep| match &part.output {
-            Some(Output::Raw(_)) => !stream.is_raw(),
-            Some(Output::Command(_) | Output::Poll(_)) => stream.is_raw(),
-            None => false,
-        };
-        let mode = if stream.is_raw() { "RAW" } else { "MESSAGES" };
-        unless(stream.parts().find(is_wrong).map(|_| format!("its mode is {mode}, and an output is of the other")))
-    }
-    commands_on_news(_seen, stream from messages) { commands_follow_news(stream) }
-    waits_for_messages(_seen, stream from stream) {
-        let waits = stream.parts().filter(|part| part.until_message.is_some()).count();
-        if waits > 0 { Verdict::Does } else { not_used("it gets a Turn for each tick") }
-    }
-    waits_into_the_future(_seen, stream from stream) {
-        let times: BTreeMap<_, _> =
-            stream.turns().flat_map(|turn| turn.robots.iter().map(|part| ((turn.turn, part.robot), part.at_ns))).collect();
-        let mut limits = stream.steps().flat_map(|(step, _)| step.robots.iter().map(move |part| (step.turn, part)));
-        let is_past = |(turn, part): &(u64, &v1::RobotStep)| {
-            let limit = part.until_message.and_then(|until| until.at_latest_ns);
-            limit.zip(times.get(&(*turn, part.robot))).is_some_and(|(limit, at)| limit <= *at)
-        };
-        if !stream.parts().any(|part| part.until_message.is_some_and(|until| until.at_latest_ns.is_some())) {
-            return not_used("it sets no such time");
-        }
-        unless(limits.find(is_past).map(|(turn, _)| format!("in the answer to Turn {turn} that time is over")))
-    }
-    needs_no_memory_off_board(_seen, stream from stream) {
-        let is_onboard = sheet(stream, 0).is_some_and(|sheet| sheet.onboard);
-        match stream.hello.as_ref().and_then(|hello| hello.memory_bytes) {
-            None => not_used("it names no memory"),
-            Some(_) => unless((!is_onboard).then(|| "its brain does not run on board".to_owned())),
-        }
-    }
-    publishes_soundly(_seen, stream from stream) {
-        let mut beliefs = stream.events.iter().filter_map(|event| match event {
+}
+
+pub(crate) fn publishes_soundly(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let mut beliefs = stream
+        .events
+        .iter()
+        .filter_map(|event| match event {
             Event::Annotate(annotate) => annotate.belief.as_ref(),
-            Event::BeforeHello | Event::SecondHello | Event::BeforeWelcome | Event::Turn(_) | Event::Step(..) | Event::Reset
-            | Event::Ended | Event::Closed => None,
-        }).peekable();
-        if beliefs.peek().is_none() {
-            return not_used("it publishes nothing");
-        }
-        unless(beliefs.any(|belief| !is_finite(belief)).then(|| "a number of a belief is not finite".to_owned()))
-    }
-    drives_both(_seen, stream from stream) {
-        let outputs = |robot: u32| stream.parts().filter(|part| part.robot == robot && part.output.is_some()).count();
-        unless((outputs(1) == 0).then(|| format!("the first robot gets {} outputs, and the second none", outputs(0))))
-    }
-    leaves_out_the_omitted(_seen, stream from stream) {
-        let turns: BTreeMap<_, _> = stream.turns().map(|turn| (turn.turn, robots_of(turn))).collect();
-        if turns.values().all(|robots| robots.len() == 2) {
-            return not_used("no Turn omits a robot");
-        }
-        let extra = stream.steps().find_map(|(step, _)| {
-            let asked = turns.get(&step.turn)?;
-            let part = step.robots.iter().find(|part| !asked.contains(&part.robot))?;
-            Some(format!("the answer to Turn {} has robot {}, which the Turn omits", step.turn, part.robot))
-        });
-        unless(extra)
-    }
-    goes_by_the_data_sheet(seen, stream from messages) {
-        let (own, plain) = (commands(stream), seen.plain.first().map(commands).unwrap_or_default());
-        let differs = own.iter().zip(&plain).position(|(own, plain)| own != plain);
-        unless(match differs {
-            Some(place) => Some(format!("its command {} is not the one of the run without this", place + 1)),
-            None if own.len() != plain.len() => Some(format!("it sends {} commands in place of {}{}", own.len(), plain.len(), seen.ended())),
-            None => None,
+            Event::BeforeHello
+            | Event::SecondHello
+            | Event::BeforeWelcome
+            | Event::Turn(_)
+            | Event::Step(..)
+            | Event::Reset
+            | Event::Ended
+            | Event::Closed => None,
         })
+        .peekable();
+    if beliefs.peek().is_none() {
+        return not_used("it publishes nothing");
     }
-    drives_again_alike(seen, _stream from stream) {
-        match (&seen.record.state_hash, &seen.plain.state_hash) {
-            (Some(own), Some(plain)) => unless((own != plain).then(|| {
-                "the same run ends in another state: it uses the time of day, or numbers that BAUDBOT_SEED does not fix".to_owned()
-            })),
-            _ => not_used("the world is gone"),
+    unless(beliefs.any(|belief| !is_finite(belief)).then(|| "a number of a belief is not finite".to_owned()))
+}
+
+pub(crate) fn drives_both(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let outputs =
+        |robot: u32| stream.parts().filter(|part| part.robot == robot && part.output.is_some()).count();
+    unless(
+        (outputs(1) == 0)
+            .then(|| format!("the first robot gets {} outputs, and the second none", outputs(0))),
+    )
+}
+
+pub(crate) fn leaves_out_the_omitted(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let turns: BTreeMap<_, _> = stream.turns().map(|turn| (turn.turn, robots_of(turn))).collect();
+    if turns.values().all(|robots| robots.len() == 2) {
+        return not_used("no Turn omits a robot");
+    }
+    let extra = stream.steps().find_map(|step| {
+        let asked = turns.get(&step.turn)?;
+        let part = step.robots.iter().find(|part| !asked.contains(&part.robot))?;
+        Some(format!("the answer to Turn {} has robot {}, which the Turn omits", step.turn, part.robot))
+    });
+    unless(extra)
+}
+
+pub(crate) fn goes_by_the_data_sheet(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.messages()?;
+    let (own, plain) = (commands(stream), seen.plain.first().map(commands).unwrap_or_default());
+    let differs = own.iter().zip(&plain).position(|(own, plain)| own != plain);
+    unless(match differs {
+        Some(place) => Some(format!("its command {} is not the one of the run without this", place + 1)),
+        None if own.len() != plain.len() => {
+            Some(format!("it sends {} commands in place of {}{}", own.len(), plain.len(), seen.ended()))
         }
+        None => None,
+    })
+}
+
+pub(crate) fn drives_again_alike(seen: &Evidence<'_>) -> Judgement {
+    seen.stream()?;
+    match (&seen.record.state_hash, &seen.plain.state_hash) {
+        (Some(own), Some(plain)) => unless((own != plain).then(|| {
+            "the same run ends in another state: it uses the time of day, or numbers that BAUDBOT_SEED does not fix".to_owned()
+        })),
+        _ => not_used("the world is gone"),
     }
-    answers_in_bursts(seen, stream from stream) {
-        let steps = stream.steps().count();
-        unless((steps == 0).then(|| format!("it answers none of {} Turns{}", stream.turns().count(), seen.ended())))
+}
+
+pub(crate) fn answers_in_bursts(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let steps = stream.steps().count();
+    unless(
+        (steps == 0).then(|| format!("it answers none of {} Turns{}", stream.turns().count(), seen.ended())),
+    )
+}
+
+pub(crate) fn does_not_flood(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    let (steps, turns) = (stream.steps().count(), stream.turns().count());
+    unless((steps > 4 * turns.max(1)).then(|| format!("{steps} Steps come for {turns} Turns")))
+}
+
+pub(crate) fn survives_split_bytes(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.stream()?;
+    if !stream.is_raw() {
+        return not_used("the server decodes for it");
     }
-    does_not_flood(_seen, stream from stream) {
-        let (steps, turns) = (stream.steps().count(), stream.turns().count());
-        unless((steps > 4 * turns.max(1)).then(|| format!("{steps} Steps come for {turns} Turns")))
-    }
-    survives_split_bytes(seen, stream from stream) {
-        if !stream.is_raw() {
-            return not_used("the server decodes for it");
-        }
-        match seen.drove_on(stream) {
-            Verdict::Does => unless((stream.outputs() == 0).then(|| "it writes nothing".to_owned())),
-            other @ (Verdict::DoesNot(_) | Verdict::NotUsed(_)) => other,
-        }
+    match seen.drove_on(stream)? {
+        Verdict::Does => unless((stream.outputs() == 0).then(|| "it writes nothing".to_owned())),
+        other @ (Verdict::DoesNot(_) | Verdict::NotUsed(_)) => Ok(other),
     }
 }
 
@@ -204,7 +285,8 @@ of_stream! {
 const OVERDUE_NS: u64 = 50_000_000;
 
 /// Two commands without news between them are too many, unless the last one may be lost.
-fn commands_follow_news(stream: &Stream) -> Verdict {
+pub(crate) fn commands_on_news(seen: &Evidence<'_>) -> Judgement {
+    let stream = seen.messages()?;
     let mut turns = BTreeMap::new();
     let mut last: BTreeMap<u32, u64> = BTreeMap::new();
     let (mut idle, mut all) = (0, 0);
@@ -212,7 +294,7 @@ fn commands_follow_news(stream: &Stream) -> Verdict {
         if let Event::Turn(turn) = event {
             turns.insert(turn.turn, turn);
         }
-        let Event::Step(step, _) = event else { continue };
+        let Event::Step(step) = event else { continue };
         // A second answer is judged elsewhere.
         let Some(turn) = turns.remove(&step.turn) else { continue };
         for part in step.robots.iter().filter(|part| matches!(part.output, Some(Output::Command(_)))) {
@@ -232,13 +314,13 @@ fn commands_follow_news(stream: &Stream) -> Verdict {
     )
 }
 
-pub(crate) fn shown(seen: &Evidence<'_>, stream: &Stream) -> Verdict {
+pub(crate) fn shown(seen: &Evidence<'_>, stream: &Stream) -> Judgement {
     if seen.record.end.is_none() {
         return not_used("the brain was not started by the kit, and has no token of it");
     }
     match &stream.authorization {
         None => does_not("no `authorization` comes with the call; its token is in BAUDBOT_TOKEN"),
-        Some(shown) if shown.strip_prefix("Bearer ") == Some(seen.token) => Verdict::Does,
+        Some(shown) if shown.strip_prefix("Bearer ") == Some(seen.token) => Ok(Verdict::Does),
         Some(_) => does_not("the `authorization` is not `Bearer` and the token that is in BAUDBOT_TOKEN"),
     }
 }

@@ -22,7 +22,7 @@ use crate::case::{CASES, Case};
 use crate::error::KitError;
 use crate::evidence::{Evidence, Verdict};
 use crate::provocation::Provocation;
-use crate::record::{ProgramEnd, Record};
+use crate::record::{Event, ProgramEnd, Record};
 use crate::scene::{self, WORLD};
 use crate::service::Service;
 use crate::spy::Spy;
@@ -126,7 +126,8 @@ impl Runs {
         else {
             return Verdict::NotUsed("the brain has not driven in the plainest of runs".to_owned());
         };
-        (case.judge)(&Evidence { record, plain, provocation: case.provocation, token })
+        let evidence = Evidence { record, plain, provocation: case.provocation, token };
+        (case.judge)(&evidence).unwrap_or_else(|verdict| verdict)
     }
 
     fn printed(&self, provocation: Provocation) -> Vec<String> {
@@ -157,22 +158,19 @@ impl Trial<'_> {
         let server = Server::builder().world(world).in_process().await?;
         let spy = Spy::new(self.provocation, server.channel().await?);
         let door = Door::of(self.brain)?;
-        let listening = match self.provocation.server_comes_after() {
-            None => Some(door.open(spy.clone()).await?),
-            Some(_) => None,
-        };
+        let delay = self.provocation.server_comes_after();
+        let early = if delay.is_none() { Some(door.open(spy.clone()).await?) } else { None };
         let mut process = self.start(&door)?;
-        let listening = match (listening, self.provocation.server_comes_after()) {
-            (None, Some(delay)) => {
-                sleep(delay).await;
+        let listening = match early {
+            Some(listening) => listening,
+            None => {
+                sleep(delay.unwrap_or_default()).await;
                 door.open(spy.clone()).await?
             }
-            (Some(listening), _) => listening,
-            (None, None) => door.open(spy.clone()).await?,
         };
-        let stalled = self.watch(&spy, &mut process).await;
+        self.watch(&spy, &mut process).await;
         let mut record = spy.record().clone();
-        record.stalled = stalled;
+        record.robots = self.robots();
         if let Some(process) = process {
             record.end = Some(self.end(process, &record).await);
         }
@@ -182,10 +180,13 @@ impl Trial<'_> {
         Ok(record)
     }
 
+    fn robots(&self) -> Vec<String> {
+        self.scenario.robots.iter().map(|spec| spec.name.clone()).collect()
+    }
+
     fn start(&self, door: &Door) -> Result<Option<Process>, KitError> {
         let Brain::Program(program) = self.brain else { return Ok(None) };
-        let robots = self.scenario.robots.iter().map(|spec| spec.name.clone()).collect();
-        let mut task = Task::new(program.clone(), robots);
+        let mut task = Task::new(program.clone(), self.robots());
         let patience = self.patience.as_secs().max(1);
         let variables =
             [("BAUDBOT_TOKEN", self.token.clone()), ("BAUDBOT_RECONNECT_S", patience.to_string())];
@@ -193,19 +194,19 @@ impl Trial<'_> {
         Ok(Some(Process::start(&task, &door.address(), WORLD, 1)?))
     }
 
-    /// Waits until there is nothing more to see. The answer is whether that is because the brain was silent for too long.
-    async fn watch(&self, spy: &Spy, process: &mut Option<Process>) -> bool {
+    /// Waits until there is nothing more to see, or the brain has been silent for too long.
+    async fn watch(&self, spy: &Spy, process: &mut Option<Process>) {
         let (mut last, mut seen) = (Instant::now(), 0);
         loop {
             tokio::select! {
-                () = spy.done() => return false,
+                () = spy.done() => return,
                 () = spy.news() => {}
                 () = sleep(LOOK) => {}
             }
             if process.as_mut().is_some_and(|process| !matches!(process.exited(), Ok(None))) {
                 // What it said last is under way.
                 sleep(SETTLE).await;
-                return false;
+                return;
             }
             let said = {
                 let record = spy.record();
@@ -215,22 +216,22 @@ impl Trial<'_> {
                 (last, seen) = (Instant::now(), said);
             }
             if last.elapsed() > self.patience {
-                return true;
+                return;
             }
             // Who tries again and again has been understood.
             let is_refused = self.provocation.refusal().is_some() || self.provocation == Provocation::Deleted;
             if is_refused && spy.record().streams.len() > MOST_ATTEMPTS {
-                return false;
+                return;
             }
         }
     }
 
     /// The end of the program: one whose run is over has time to come to its end.
     async fn end(&self, mut process: Process, record: &Record) -> ProgramEnd {
-        let leaves = record.streams.last().is_some_and(|stream| {
-            let is_closed = |event: &crate::record::Event| matches!(event, crate::record::Event::Closed);
-            stream.events.iter().any(is_closed)
-        });
+        let leaves = record
+            .streams
+            .last()
+            .is_some_and(|stream| stream.events.iter().any(|event| matches!(event, Event::Closed)));
         let patience = if leaves { self.patience } else { SETTLE };
         let waits = async {
             while matches!(process.exited(), Ok(None)) {

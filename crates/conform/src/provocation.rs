@@ -99,7 +99,7 @@ impl Provocation {
         (self == Self::Late).then_some(Duration::from_secs(1))
     }
 
-    /// The error with which the stream of this number, from 0, is answered.
+    /// The error with which each stream is answered.
     pub(crate) fn refusal(self) -> Option<Status> {
         if let Self::Refused(code) = self { Some(Status::new(code, REFUSED)) } else { None }
     }
@@ -109,10 +109,13 @@ impl Provocation {
         if self == Self::Cut {
             return Some(Status::unavailable("the connection was cut on purpose by `baudbot conform`"));
         }
+        if self != Self::Restart {
+            return None;
+        }
         let mut trailers = MetadataMap::new();
         trailers.insert(REASON, MetadataValue::from_static(RESTART));
-        let restart = Status::with_metadata(Code::Aborted, "an operator asks the brain to restart", trailers);
-        (self == Self::Restart).then_some(restart)
+        let words = "an operator asks the brain to restart";
+        Some(Status::with_metadata(Code::Aborted, words, trailers))
     }
 
     /// Whether a brain may come back in it.

@@ -7,14 +7,14 @@ use baudbot_proto::v1;
 /// What happened in a run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Record {
+    /// The robots that the brain was to drive.
+    pub(crate) robots: Vec<String>,
     /// The brain's streams.
     pub(crate) streams: Vec<Stream>,
     /// The end of the brain's program.
     pub(crate) end: Option<ProgramEnd>,
     /// The state of the world at the end of its run.
     pub(crate) state_hash: Option<String>,
-    /// The brain did not say anything for too long.
-    pub(crate) stalled: bool,
 }
 
 /// The end of a program of which the kit knows the process.
@@ -50,8 +50,8 @@ pub(crate) enum Event {
     BeforeWelcome,
     /// A Turn.
     Turn(v1::Turn),
-    /// A Step, and the Turn that it should answer, if one is unanswered.
-    Step(v1::Step, Option<u64>),
+    /// A Step.
+    Step(v1::Step),
     /// A belief.
     Annotate(v1::Annotate),
     /// The world is reset: older Turns are over.
@@ -70,7 +70,7 @@ impl Record {
 
     /// Whether the brain answers any Turn.
     pub(crate) fn answers(&self) -> bool {
-        self.streams.iter().any(|stream| stream.steps().any(|(step, _)| step.turn != 0))
+        self.streams.iter().any(|stream| stream.steps().any(|step| step.turn != 0))
     }
 }
 
@@ -80,16 +80,14 @@ impl Stream {
         self.events.iter().filter_map(|event| if let Event::Turn(turn) = event { Some(turn) } else { None })
     }
 
-    /// The Steps, each with the Turn that it should answer.
-    pub(crate) fn steps(&self) -> impl Iterator<Item = (&v1::Step, Option<u64>)> {
-        self.events
-            .iter()
-            .filter_map(|event| if let Event::Step(step, owed) = event { Some((step, *owed)) } else { None })
+    /// The Steps.
+    pub(crate) fn steps(&self) -> impl Iterator<Item = &v1::Step> {
+        self.events.iter().filter_map(|event| if let Event::Step(step) = event { Some(step) } else { None })
     }
 
     /// All that Steps have for robots.
     pub(crate) fn parts(&self) -> impl Iterator<Item = &v1::RobotStep> {
-        self.steps().flat_map(|(step, _)| &step.robots)
+        self.steps().flat_map(|step| &step.robots)
     }
 
     /// The commands.

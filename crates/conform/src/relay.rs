@@ -7,7 +7,7 @@ use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::encoding::Kind;
 use baudbot_proto::v1::{self, AttachRequest, AttachResponse};
 use tokio::sync::mpsc;
-use tokio::time::{Instant, interval, sleep, sleep_until};
+use tokio::time::{Instant, interval, sleep, sleep_until, timeout_at};
 use tonic::{Status, Streaming};
 
 use crate::provocation::{AFTER, Provocation};
@@ -67,6 +67,7 @@ impl Relay {
     /// Relays until one side ends.
     pub(crate) async fn run(self, mut brain: Streaming<AttachRequest>) {
         let Some(hello) = self.hello(&mut brain).await else { return };
+        self.before_the_welcome(&mut brain).await;
         match self.spy.attach(hello).await {
             Err(status) => {
                 let _ = self.to_brain.send(Err(status)).await;
@@ -85,6 +86,19 @@ impl Relay {
                     return Some(v1::Hello { thinks_as_scenario: false, ..hello });
                 }
                 Some(Request::Step(_) | Request::Annotate(_)) | None => self.note(Event::BeforeHello),
+            }
+        }
+    }
+
+    /// The Welcome waits for a moment, so that what comes before it is seen on any machine.
+    async fn before_the_welcome(&self, brain: &mut Streaming<AttachRequest>) {
+        let end = Instant::now() + EARLY;
+        while let Ok(Ok(Some(request))) = timeout_at(end, brain.message()).await {
+            match request.request {
+                Some(Request::Hello(_)) => self.note(Event::SecondHello),
+                Some(Request::Step(_)) => self.note(Event::BeforeWelcome),
+                Some(Request::Annotate(annotate)) => self.note(Event::Annotate(annotate)),
+                None => {}
             }
         }
     }
@@ -172,11 +186,7 @@ impl Relay {
 
     /// Notes a Step. The world gets it if it can be taken as the answer to a Turn, without what would end the stream.
     fn step(&mut self, step: v1::Step) -> Option<v1::Step> {
-        if self.sensors.is_empty() {
-            self.note(Event::BeforeWelcome);
-            return None;
-        }
-        self.note(Event::Step(step.clone(), self.owed));
+        self.note(Event::Step(step.clone()));
         let turn = match (self.owed, self.spy.provocation.is_timed()) {
             (_, true) => step.turn,
             // A number of another Turn is judged, and taken for the one that is owed, so that the run goes on.
@@ -354,6 +364,9 @@ async fn reached(instant: Option<Instant>) {
         None => std::future::pending().await,
     }
 }
+
+/// The time for which a Welcome waits.
+const EARLY: Duration = Duration::from_millis(50);
 
 /// The interval of bursts.
 const BURST: Duration = Duration::from_millis(200);
