@@ -8,7 +8,7 @@ use bytes::Bytes;
 use super::debt::{Debt, OpenTurn};
 use super::quota::Quota;
 use super::slot::Slot;
-use super::thinking::Thinking;
+use super::thinking::{Thinking, Unaccounted};
 use crate::convert::{self, RobotTurn};
 use crate::endpoint::Mode;
 use crate::measures::Answering;
@@ -55,6 +55,7 @@ pub(super) struct Turns {
     pub(super) era: u64,
     /// The last Turns that were given; oldest first.
     given: VecDeque<Given>,
+    pub(super) unaccounted: Unaccounted,
 }
 
 /// A Turn that was given.
@@ -84,6 +85,7 @@ impl Turns {
         self.void = self.last;
         self.era = era;
         self.given.clear();
+        self.unaccounted = Unaccounted::default();
     }
 
     /// A Step answers the Turn of this number; 0 for none. Void ones may have been taken back before they were given.
