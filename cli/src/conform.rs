@@ -44,6 +44,13 @@ pub(crate) async fn conform(args: &ConformArgs) -> anyhow::Result<ExitCode> {
 
 fn brain(args: &ConformArgs) -> anyhow::Result<Brain> {
     if let Some(address) = args.external {
+        if !address.ip().is_loopback() {
+            return Err(Refused::error(format!(
+                "--external {address}: must be an address of this machine, such as 127.0.0.1:{}; a brain that you start yourself \
+                 is asked for no token",
+                address.port()
+            )));
+        }
         return Ok(Brain::Outside(address));
     }
     let text = args.brain.as_deref().unwrap_or_default();

@@ -10,12 +10,13 @@ use crate::cli::{Running, command, place};
 const TRUST: &str = include_str!("../../../docs/reference/trust.md");
 
 /// The doors, each with the command that opens it here.
-const DOORS: [(&str, &str); 9] = [
+const DOORS: [(&str, &str); 10] = [
     ("gRPC over TCP", "serve"),
     ("gRPC over a Unix socket", "serve"),
     ("trainers", "serve"),
     ("the page and its metrics", "serve"),
     ("brains that are programs", "run"),
+    ("a brain that `conform` examines", "conform"),
     ("a serial port: socket, RFC 2217", "serve"),
     ("a serial port: pseudo-terminal, Unix socket", "serve"),
     ("a debugger", "gdb"),
@@ -113,11 +114,21 @@ fn every_socket_that_the_program_opens_is_a_door_of_the_table() {
 
     let brain = "exec:sleep 60";
     let run = Running(command(&["run", "wander", "--brain", brain, "--seconds", "60"]).spawn().unwrap());
-    let doors = settled(run.0.id(), 1);
-    assert!(doors.len() == 1 && doors[0].starts_with('/'), "{doors:?}");
-    let folder = Path::new(&doors[0]).parent().unwrap();
-    let mode = Command::new("stat").args(["-c", "%a"]).arg(folder).output().unwrap();
-    assert_eq!(String::from_utf8(mode.stdout).unwrap().trim(), "700", "{doors:?}");
+    are_private(&settled(run.0.id(), 1), 1);
+    // Runs of the kit go on side by side.
+    let kit = Running(command(&["conform", brain, "--patience", "60", "--quiet"]).spawn().unwrap());
+    are_private(&settled(kit.0.id(), 4), 4);
+    let outside = Running(
+        command(&["conform", "--external", "127.0.0.1:0", "--patience", "60", "--quiet"]).spawn().unwrap(),
+    );
+    let doors = settled(outside.0.id(), 1);
+    assert!(doors.len() == 1 && doors[0].starts_with("127.0.0.1:"), "{doors:?}");
+    let refused = command(&["conform", "--external", "0.0.0.0:0"]).output().unwrap();
+    let words = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        refused.status.code() == Some(2) && words.contains("must be an address of this machine"),
+        "{words}"
+    );
 
     let foxglove =
         Running(command(&["watch", "--foxglove=127.0.0.1:0", "--connect", &address]).spawn().unwrap());
@@ -125,9 +136,21 @@ fn every_socket_that_the_program_opens_is_a_door_of_the_table() {
     assert!(doors.len() == 1 && doors[0].starts_with("127.0.0.1:"), "{doors:?}");
 }
 
+/// So many sockets, each in a folder of its own that only this user may enter.
+fn are_private(doors: &[String], count: usize) {
+    assert_eq!(doors.len(), count, "{doors:?}");
+    for door in doors {
+        assert!(door.starts_with('/'), "{doors:?}");
+        let folder = Path::new(door).parent().unwrap();
+        let mode = Command::new("stat").args(["-c", "%a"]).arg(folder).output().unwrap();
+        assert_eq!(String::from_utf8(mode.stdout).unwrap().trim(), "700", "{doors:?}");
+    }
+}
+
 /// The files of the program in which something listens: a new one is a new door, which belongs into the table.
-const LISTENERS: [&str; 5] = [
+const LISTENERS: [&str; 6] = [
     "cli/src/foxglove/bridge.rs",
+    "crates/conform/src/kit.rs",
     "crates/port/src/debug/server.rs",
     "crates/port/src/socket.rs",
     "server/src/server/listeners.rs",
