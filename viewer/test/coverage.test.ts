@@ -41,9 +41,15 @@ test("the mock tells its cells as runs", () => {
   assert.deepEqual(floor.map(5n).sensed, [60 * 40]);
 });
 
-/** A page before a made-up world, with timers that stand. */
+/** A page before a made-up world, whose timers and clock go on by `pass` only. */
 function surveying(t: TestContext, { counts = true, isShown = (): boolean => true } = {}) {
   t.mock.timers.enable({ apis: ["setTimeout"] });
+  let now_ms = 0;
+  t.mock.method(performance, "now", () => now_ms);
+  const pass = (ms: number) => {
+    now_ms += ms;
+    t.mock.timers.tick(ms);
+  };
   const sent: Uint8Array[] = [];
   const socket = { send: (bytes: Uint8Array) => sent.push(bytes) } as unknown as Socket;
   const connection = new Connection(() => socket);
@@ -72,7 +78,7 @@ function surveying(t: TestContext, { counts = true, isShown = (): boolean => tru
     const { call } = requestFrom(sent.at(-1) ?? new Uint8Array());
     return respond(call, { case: "failure", value: { code: "INTERNAL", message: "no" } });
   };
-  return { sent, store, surveyor, world, frame, answer, fail, pass: (ms: number) => t.mock.timers.tick(ms) };
+  return { sent, store, surveyor, world, frame, answer, fail, pass };
 }
 
 test("the map is asked for once a second, with one request under way", async (t) => {
