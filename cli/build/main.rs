@@ -112,9 +112,9 @@ fn example(folder: &Path, language: &str, archive: &mut Archive) -> Result<(), B
     Ok(())
 }
 
-/// Whether a crate needs the file when it is built: modules of tests alone it does not.
+/// Whether a crate needs the file when it is built: modules of tests alone it does not, any other file it may include.
 fn is_source(name: &str) -> bool {
-    let Some((stem, "rs" | "toml" | "bin" | "py")) = name.rsplit_once('.') else { return false };
+    let stem = name.strip_suffix(".rs").unwrap_or_default();
     !(stem == "tests" || stem.starts_with("test_") || stem.ends_with("_tests"))
 }
 
