@@ -115,6 +115,9 @@ fn every_socket_that_the_program_opens_is_a_door_of_the_table() {
     let brain = "exec:sleep 60";
     let run = Running(command(&["run", "wander", "--brain", brain, "--seconds", "60"]).spawn().unwrap());
     are_private(&settled(run.0.id(), 1), 1);
+    let grading = ["grade", "wander", "--brain", brain, "--jobs", "1", "--quiet"];
+    let grading = Running(command(&grading).spawn().unwrap());
+    are_private(&settled(grading.0.id(), 1), 1);
     // Its first run is alone; others go on side by side, each with a socket of its own.
     let kit = Running(command(&["conform", brain, "--patience", "60", "--quiet"]).spawn().unwrap());
     are_private(&settled(kit.0.id(), 1), 1);

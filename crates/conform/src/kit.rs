@@ -1,6 +1,8 @@
 //! The kit: runs a brain through all provocations, and judges what it did.
 
 use std::collections::HashMap;
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -258,8 +260,10 @@ impl Door {
             Brain::Outside(address) => Ok(Self::Open(*address)),
             Brain::Program(_) => {
                 let failed = |source| KitError::Place { place: "a folder for a socket".to_owned(), source };
-                let folder = tempfile::Builder::new().prefix("baudbot-").tempdir().map_err(failed)?;
-                Ok(Self::Private(folder))
+                // Other users are not to reach the socket.
+                let own = Permissions::from_mode(0o700);
+                let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
+                Ok(Self::Private(folder.map_err(failed)?))
             }
         }
     }

@@ -1,5 +1,7 @@
 //! A server of this process that only this user's programs reach, as brains: for runs whose brains are programs.
 
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
@@ -27,7 +29,10 @@ impl PrivateServer {
         let failed = |error: &dyn ToString| {
             Error::Server(format!("cannot start a server for programs: {}", error.to_string()))
         };
-        let folder = tempfile::Builder::new().prefix("baudbot-").tempdir().map_err(|error| failed(&error))?;
+        // Other users are not to reach the socket.
+        let own = Permissions::from_mode(0o700);
+        let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
+        let folder = folder.map_err(|error| failed(&error))?;
         let path = folder.path().join("socket");
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
