@@ -68,7 +68,7 @@ fn texts(root: &Path, folder: &Path, found: &mut Vec<(String, String)>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy();
-        // What the examples' own READMEs build has links back to its folder.
+        // An example in Go that was built has a link back to its own folder.
         let is_built = name == "build" && path.starts_with(root.join("examples"));
         if name.starts_with('.') || ["target", "node_modules"].contains(&&*name) || is_built {
             continue;

@@ -1,11 +1,10 @@
 //! A run over gRPC: a server in this process, and brains that attach to it.
 
-use std::fs::Permissions;
-use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
+use baudbot_access::private_folder;
 use baudbot_client::Channel;
 use baudbot_client::Client;
 use baudbot_plot::quantity::count;
@@ -84,10 +83,7 @@ impl Private {
         if plan.assigned.programs.is_empty() {
             return Ok(None);
         }
-        // The socket must not be reachable by other users, not even while it is being made.
-        let own = Permissions::from_mode(0o700);
-        let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
-        let folder = folder.context("cannot make a folder for the socket of programs")?;
+        let folder = private_folder().context("cannot make a folder for the socket of programs")?;
         let address = Address::Unix(folder.path().join("socket"));
         Ok(Some(Self { address, clock: ProcessorClock::default(), _folder: folder }))
     }

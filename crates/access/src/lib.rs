@@ -81,7 +81,7 @@ pub use need::{Door, Need, RPCS, Service, needs, needs_at};
 #[cfg(feature = "grants")]
 pub use pattern::{BadPattern, DrivePattern, Half, PatternProblem};
 #[cfg(feature = "files")]
-pub use private::PrivateError;
+pub use private::{PrivateError, private_folder};
 #[cfg(feature = "grants")]
 pub use right::{BadRight, Right};
 pub use token::{BadHash, BadToken, NoRandomness, PREFIX, Token, TokenHash};

@@ -2,12 +2,12 @@
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read, Write};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use baudbot_fields::printable::Printable;
 use rustix::fs::OFlags;
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 /// A reason why a private file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -158,14 +158,22 @@ pub(crate) fn read_public(path: &Path, most: u64) -> Result<String, PrivateError
 /// Makes a file that is not there yet, with this mode.
 #[cfg(feature = "certificates")]
 pub(crate) fn create(path: &Path, text: &str, mode: u32) -> Result<(), PrivateError> {
-    use std::os::unix::fs::PermissionsExt;
-
     let failed = |source| PrivateError::Io { action: "write", path: path.to_owned(), source };
     let mut file = NamedTempFile::new_in(folder_of(path)).map_err(failed)?;
     let written = file.write_all(text.as_bytes()).and_then(|()| file.as_file().sync_all());
     written.map_err(failed)?;
     file.as_file().set_permissions(fs::Permissions::from_mode(mode)).map_err(failed)?;
     file.persist_noclobber(path).map(|_| ()).map_err(|error| failed(error.error))
+}
+
+/// Makes a folder that only this user may enter, and that is gone when the result is dropped. For a socket, which other users could reach
+/// in a folder that they may enter until it has its own permissions.
+///
+/// # Errors
+/// If the system's folder for temporary files takes none.
+pub fn private_folder() -> io::Result<TempDir> {
+    let own = fs::Permissions::from_mode(0o700);
+    tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir()
 }
 
 /// Makes the folder of a file, for this user only, if it is not there.
@@ -284,7 +292,7 @@ fn quoted(path: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::os::unix::fs::{PermissionsExt, symlink};
+    use std::os::unix::fs::symlink;
 
     use super::*;
 

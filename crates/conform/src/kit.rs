@@ -1,12 +1,10 @@
 //! The kit: runs a brain through all provocations, and judges what it did.
 
 use std::collections::HashMap;
-use std::fs::Permissions;
-use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use baudbot_access::Token;
+use baudbot_access::{Token, private_folder};
 use baudbot_proto::v1;
 use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
@@ -260,10 +258,7 @@ impl Door {
             Brain::Outside(address) => Ok(Self::Open(*address)),
             Brain::Program(_) => {
                 let failed = |source| KitError::Place { place: "a folder for a socket".to_owned(), source };
-                // Other users are not to reach the socket.
-                let own = Permissions::from_mode(0o700);
-                let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
-                Ok(Self::Private(folder.map_err(failed)?))
+                Ok(Self::Private(private_folder().map_err(failed)?))
             }
         }
     }

@@ -1,10 +1,9 @@
 //! A server of this process that only this user's programs reach, as brains: for runs whose brains are programs.
 
-use std::fs::Permissions;
-use std::os::unix::fs::PermissionsExt;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
+use baudbot_access::private_folder;
 use baudbot_client::Client;
 use baudbot_server::{Address, Builder, Server, WorldConfig};
 use tempfile::TempDir;
@@ -29,10 +28,7 @@ impl PrivateServer {
         let failed = |error: &dyn ToString| {
             Error::Server(format!("cannot start a server for programs: {}", error.to_string()))
         };
-        // Other users are not to reach the socket.
-        let own = Permissions::from_mode(0o700);
-        let folder = tempfile::Builder::new().prefix("baudbot-").permissions(own).tempdir();
-        let folder = folder.map_err(|error| failed(&error))?;
+        let folder = private_folder().map_err(|error| failed(&error))?;
         let path = folder.path().join("socket");
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
