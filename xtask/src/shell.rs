@@ -156,6 +156,11 @@ impl Shell {
         command.env("PATH", format!("{path}:/usr/sbin:/sbin"));
         command.env("TMPDIR", self.temporary.path());
         command.env("INSTA_UPDATE", "no"); // A snapshot that differs is a failure, never a new file.
+        // Cargo tells this program of its own package. Build scripts of C code look at that, and would run again, with all that
+        // is built upon them, between a command here and the same command typed by hand.
+        for (name, _) in std::env::vars_os().filter(|(name, _)| is_of_a_package(name)) {
+            command.env_remove(name);
+        }
         command
     }
 
@@ -369,6 +374,12 @@ fn show(mut reader: PipeReader, mut log: File) {
         let _ = std::io::stdout().write_all(&bytes[..n]).and_then(|()| std::io::stdout().flush());
         let _ = log.write_all(&bytes[..n]);
     }
+}
+
+/// Whether a variable of the environment is about the package that `cargo run` has built.
+fn is_of_a_package(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    ["CARGO_PKG_", "CARGO_MANIFEST_"].iter().any(|start| name.starts_with(start))
 }
 
 /// A command line for messages, or the beginning of a long one.
