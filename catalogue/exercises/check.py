@@ -5,9 +5,11 @@
 """
 
 import json
+import os
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -19,11 +21,14 @@ def main():
     names = {path.stem for path in HERE.glob("*.toml")}
     if names != set(brains):
         sys.exit(f"exercises without brains, or brains without an exercise: {sorted(names ^ set(brains))}")
-    wrong = []
+    cases = []
     for name in sys.argv[2:] or sorted(brains):
-        wrong += checked(program, name, brains[name]["solution"], None)
-        for mistake in brains[name]["mistakes"]:
-            wrong += checked(program, name, mistake["brain"], mistake["says"])
+        cases.append((name, brains[name]["solution"], None))
+        cases += [(name, mistake["brain"], mistake["says"]) for mistake in brains[name]["mistakes"]]
+    # A grading of a few runs does not keep all processors busy.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = pool.map(lambda case: checked(program, *case), cases)
+        wrong = [line for lines in results for line in lines]
     if wrong:
         sys.exit("\n".join(wrong))
 
