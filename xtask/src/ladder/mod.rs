@@ -13,7 +13,7 @@ use std::time::Instant;
 use crate::arguments::Plan;
 use crate::place::Place;
 use crate::records::{self, Duration, Green, Passed, Repeats, Table};
-use crate::sections::{Rung, Section};
+use crate::sections::{LONGEST_TURN_S, Rung, Section};
 use crate::shell::{Failure, Shell};
 
 pub(crate) use summary::in_words;
@@ -97,6 +97,10 @@ impl Run<'_> {
                 self.ends.push((section, End::Resumed));
                 continue;
             }
+            if let Some(words) = self.takes_too_long(section) {
+                println!("\n{words}");
+                continue;
+            }
             println!(
                 "\n[{}/{total}] {}: {}, {}",
                 i + 1,
@@ -151,6 +155,19 @@ impl Run<'_> {
                 }
                 End::Failed(wall_s, failure)
             }
+        })
+    }
+
+    /// Whether the release check of this run takes longer on this machine than a turn may; it comes again before a release, or
+    /// on another machine.
+    fn takes_too_long(&self, section: &Section) -> Option<String> {
+        let expected_s = self.times.get(section.name).map_or(0, |time| time.wall_s) as f64 * self.pace();
+        let is_in_turn = self.plan.whole && section.rung == Rung::Release;
+        (is_in_turn && expected_s > LONGEST_TURN_S as f64).then(|| {
+            format!(
+                "the release check {} is not run: on this machine it would take {expected_s:.0} s, more than {LONGEST_TURN_S} s",
+                section.name
+            )
         })
     }
 

@@ -8,6 +8,9 @@ use crate::records::{self, Repeats};
 use crate::sections::Section;
 use crate::shell::Failure;
 
+/// So many expected seconds must have passed before they tell the pace of a machine.
+const LEAST_TELLING_S: u64 = 60;
+
 impl Run<'_> {
     /// The expected duration of sections, in words.
     pub(super) fn expected(&self, sections: &[&'static Section]) -> String {
@@ -19,8 +22,21 @@ impl Run<'_> {
         if times.is_empty() {
             "no time is known".to_owned()
         } else {
-            format!("about {}", in_words(times.iter().sum()))
+            format!("about {}", in_words((times.iter().sum::<u64>() as f64 * self.pace()).round() as u64))
         }
+    }
+
+    /// The time that this machine takes, by the sections that have passed so far, for a second on the one where times were
+    /// measured.
+    pub(super) fn pace(&self) -> f64 {
+        let passed = self.ends.iter().filter_map(|(section, end)| match end {
+            End::Passed(time) => Some((time.wall_s, self.times.get(section.name)?.wall_s)),
+            End::Resumed | End::Failed(_, _) | End::LeftOut(_) => None,
+        });
+        let (took_s, expected_s) =
+            passed.fold((0, 0), |sum, (took_s, expected_s)| (sum.0 + took_s, sum.1 + expected_s));
+        // Short ones tell little.
+        if expected_s < LEAST_TELLING_S { 1.0 } else { took_s as f64 / expected_s as f64 }
     }
 
     /// Says where it was interrupted, and how to go on.

@@ -69,7 +69,7 @@ pub(crate) const LONGEST_S: u64 = 3600;
 /// A release check must have been green within so many commits.
 pub(crate) const OLDEST: u64 = 300;
 /// A release check that takes longer is not run under continuous integration.
-const LONGEST_TURN_S: u64 = 480;
+pub(crate) const LONGEST_TURN_S: u64 = 480;
 /// The parent of the commit with which release checks began to be recorded: one that has not been green since is as old as this.
 const FIRST: &str = "0ed0eda3";
 
@@ -124,11 +124,8 @@ pub(crate) static SECTIONS: &[Section] = &[
 
     Section { name: "lints", protects: "clippy's and the compiler's lints, in all code and with all features", needs: &[CLIPPY], check: |shell, _| rust::lints(shell), ..PLAIN },
     Section { name: "slow-tests", protects: "the tests that `./test` has no time for", check: |shell, _| rust::slow_tests(shell), ..PLAIN },
-    Section { name: "fuzz-briefly", protects: "everything that reads bytes from outside, three seconds a target", check: |shell, _| rust::fuzz_briefly(shell), ..PLAIN },
-    Section { name: "documentation", protects: "the crates' documentation", check: |shell, _| rust::documentation(shell), ..PLAIN },
+    Section { name: "fuzz-briefly", protects: "everything that reads bytes from outside, a second a target", check: |shell, _| rust::fuzz_briefly(shell), ..PLAIN },
     Section { name: "bare-metal", protects: "the pure crates on a Cortex-M4 and in a browser", needs: &[Target("thumbv7em-none-eabihf"), Target("wasm32-unknown-unknown")], check: |shell, _| rust::bare_metal(shell), ..PLAIN },
-    Section { name: "program", protects: "the program as README builds it: its first run, and what it says without features", check: |shell, _| rust::program(shell), ..PLAIN },
-    Section { name: "instructions", protects: "what workloads cost, in instructions", needs: &[Program("valgrind", "valgrind")], check: |shell, _| rust::instructions(shell), ..PLAIN },
     Section { name: "supply-chain", protects: "licences, sources and bans of what is built in", check: |shell, _| rust::supply_chain(shell), ..PLAIN },
     Section { name: "contract", protects: "the contract's style, and that it only grows", needs: &[Node, TOOLS], check: |shell, _| pages::contract(shell), ..PLAIN },
     Section { name: "editors", protects: "the schema of scenarios, by what editors use", needs: &[Python, Node, TOOLS], check: |shell, _| pages::editors(shell), ..PLAIN },
@@ -137,7 +134,6 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "page", protects: "the stand-alone page in Chromium: its size, hashes, brains", needs: &[Node, TOOLS, VIEWER, CHROMIUM, WASI, Python], check: |shell, _| pages::page(shell), ..PLAIN },
     Section { name: "manual", protects: "the manual as a site, without broken links", needs: &[Python], check: |shell, _| python::manual(shell), ..PLAIN },
     Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python, AVR_GCC, AVR_LIBC, ARDUINO_CORE, MAKE, CHROMIUM], check: |shell, _| python::manual_commands(shell), ..PLAIN },
-    Section { name: "gallery", protects: "the gallery's pictures", needs: &[Python], check: |shell, _| python::gallery(shell), ..PLAIN },
     Section { name: "brains-in-python", protects: "the client's types, stubs and examples", needs: &[Python], check: |shell, _| python::brains(shell), ..PLAIN },
     Section { name: "worlds-in-python", protects: "the Python package: types, ABI, environments, notebooks", needs: &[Python], check: |shell, _| python::worlds(shell), ..PLAIN },
     Section { name: "exercises", protects: "each exercise's solution, and the word for each mistake", needs: &[Python], check: |shell, _| python::exercises(shell), ..PLAIN },
@@ -154,6 +150,11 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "examples", protects: "the brains in examples/, which drive one path to the last bit", needs: &[Python, Node, TOOLS, VIEWER, NodePackages(NodeFolder::TypeScript)], check: |shell, _| projects::examples(shell), ..PLAIN },
     Section { name: "languages", protects: "brains in C++, Go, Java, Ruby and for Node: built, tested, on that path, and true to the contract", needs: LANGUAGES, check: |shell, _| projects::languages(shell), ..PLAIN },
 
+    Section { name: "longest-tests", rung: Rung::Release, protects: "the tests that take longest, of whole drives and of budgets", check: |shell, _| rust::longest_tests(shell), ..PLAIN },
+    Section { name: "documentation", rung: Rung::Release, protects: "the crates' documentation", check: |shell, _| rust::documentation(shell), ..PLAIN },
+    Section { name: "program", rung: Rung::Release, protects: "the program as README builds it: its first run, and what it says without features", check: |shell, _| rust::program(shell), ..PLAIN },
+    Section { name: "instructions", rung: Rung::Release, protects: "what workloads cost, in instructions", needs: &[Program("valgrind", "valgrind")], check: |shell, _| rust::instructions(shell), ..PLAIN },
+    Section { name: "gallery", rung: Rung::Release, protects: "the gallery's pictures", needs: &[Python], check: |shell, _| python::gallery(shell), ..PLAIN },
     Section { name: "optimised", rung: Rung::Release, protects: "the tests of numbers and of order in a release build", check: |shell, _| release::optimised(shell), ..PLAIN },
     Section { name: "aarch64", rung: Rung::Release, protects: "the same bits on another processor", needs: &[Target("aarch64-unknown-linux-gnu"), Program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu"), File("/usr/aarch64-linux-gnu/lib/crt1.o", "libc6-dev-arm64-cross"), Program("qemu-aarch64", "qemu-user")], check: |shell, _| release::aarch64(shell), ..PLAIN },
     Section { name: "firefox", rung: Rung::Release, protects: "both pages in Firefox", needs: &[Node, TOOLS, VIEWER, WASI, Program("firefox-esr", "firefox-esr")], check: |shell, _| pages::firefox(shell), ..PLAIN },

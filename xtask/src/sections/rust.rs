@@ -1,5 +1,6 @@
 //! Sections that need Rust only.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -8,11 +9,12 @@ use serde::Deserialize;
 use crate::shell::{Failure, Shell};
 use crate::{house, map, records, sections};
 
-/// A table of tests that take long.
+/// The tests that take long, and those that take so long that not each change waits for them.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SlowTests {
-    tests: std::collections::BTreeMap<String, String>,
+    tests: BTreeMap<String, String>,
+    longest: BTreeMap<String, String>,
 }
 
 pub(super) fn formatting(shell: &Shell) -> Result<(), Failure> {
@@ -55,44 +57,54 @@ fn side_by_side(command: &mut Command) {
     command.env("RUST_TEST_THREADS", threads.to_string());
 }
 
-fn slow(shell: &Shell) -> Result<Vec<String>, Failure> {
-    let path = shell.place.root.join("xtask/slow-tests.toml");
-    let text = std::fs::read_to_string(&path).map_err(Failure::file(&path))?;
-    let table: SlowTests = toml::from_str(&text).map_err(|error| records::Error::Text { path, error })?;
-    Ok(table.tests.into_keys().collect())
+impl SlowTests {
+    fn of(shell: &Shell) -> Result<Self, Failure> {
+        let path = shell.place.root.join("xtask/slow-tests.toml");
+        let text = std::fs::read_to_string(&path).map_err(Failure::file(&path))?;
+        Ok(toml::from_str(&text).map_err(|error| records::Error::Text { path, error })?)
+    }
 }
 
 pub(super) fn tests(shell: &Shell) -> Result<(), Failure> {
-    let slow = slow(shell)?;
+    let slow = SlowTests::of(shell)?;
     shell.run(of_all(shell, ["--no-run"]))?;
     let mut command = of_all(shell, ["--quiet", "--lib", "--bins", "--tests", "--examples", "--", "--exact"]);
-    command.args(slow.iter().flat_map(|name| ["--skip", name]));
+    command.args(slow.tests.keys().chain(slow.longest.keys()).flat_map(|name| ["--skip", name]));
     side_by_side(&mut command);
     shell.run(command)
 }
 
 /// The slow ones alone, and the examples in documentation.
 pub(super) fn slow_tests(shell: &Shell) -> Result<(), Failure> {
-    let slow = slow(shell)?;
+    each_passes(shell, &SlowTests::of(shell)?.tests)?;
+    shell.run(of_all(shell, ["--quiet", "--doc"]))
+}
+
+pub(super) fn longest_tests(shell: &Shell) -> Result<(), Failure> {
+    each_passes(shell, &SlowTests::of(shell)?.longest)
+}
+
+/// Runs tests by their names.
+fn each_passes(shell: &Shell, tests: &BTreeMap<String, String>) -> Result<(), Failure> {
     let mut command = of_all(shell, ["--lib", "--bins", "--tests", "--examples", "--", "--exact"]);
-    command.args(&slow);
+    command.args(tests.keys());
     shell.run(command)?;
     let log = shell.log_text()?;
     // A name that no test has any more would go unnoticed.
     let has_run = |name: &&String| {
         log.lines().any(|line| line.starts_with(&format!("test {name} ...")) && line.ends_with("ok"))
     };
-    if let Some(name) = slow.iter().find(|name| !has_run(name)) {
+    if let Some(name) = tests.keys().find(|name| !has_run(name)) {
         return Err(Failure::Wrong(format!(
             "xtask/slow-tests.toml: no test has the name `{name}`; mend or remove the line"
         )));
     }
-    shell.run(of_all(shell, ["--quiet", "--doc"]))
+    Ok(())
 }
 
 pub(super) fn fuzz_briefly(shell: &Shell) -> Result<(), Failure> {
     let mut command = of_all(shell, ["--quiet", "--example", "fuzz"]);
-    command.env("BAUDBOT_FUZZ_SECONDS", "3");
+    command.env("BAUDBOT_FUZZ_SECONDS", "1");
     shell.run(command)
 }
 
