@@ -1,0 +1,172 @@
+//! The things that the calls of a program act on: its tasks, its ports, and the time.
+
+use std::path::PathBuf;
+
+use crate::cables::Cables;
+use crate::os::proc::{self, mask};
+use crate::os::trace::{self, Registers};
+use crate::program::Price;
+use crate::random::Random;
+use crate::report::Report;
+use crate::task::{Activity, Task};
+use crate::tty::Tty;
+
+/// CLOCK_REALTIME at the beginning, in nanoseconds: 2023-11-14 22:13:20 UTC.
+pub(crate) const EPOCH_NS: u64 = 1_700_000_000_000_000_000;
+/// CLOCK_MONOTONIC at the beginning, in nanoseconds: a machine that has been up for a while.
+pub(crate) const UPTIME_NS: u64 = 1_000_000_000_000;
+
+/// Calls without a wait after which even those that are no looks are charged, so that no program holds up time for ever.
+const FREE_CALLS: u64 = 100_000;
+
+/// The tasks of a program, its ports, and the time.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    /// The instant.
+    pub(crate) now_ns: u64,
+    /// In the order of creation.
+    pub(crate) tasks: Vec<Task>,
+    pub(crate) ports: Vec<Tty>,
+    pub(crate) random: Random,
+    pub(crate) price: Price,
+    pub(crate) report: Report,
+    /// Counts what may end a wait.
+    pub(crate) progress: u64,
+    /// The program may have signals to deliver that were not looked at.
+    pub(crate) has_signals: bool,
+    /// Counts waits at futexes.
+    pub(crate) order: u64,
+    /// The program's own output and errors, as /proc shows their descriptors.
+    pub(crate) outputs: Vec<PathBuf>,
+    /// Timers of processes.
+    pub(crate) alarms: Vec<Alarm>,
+}
+
+/// The timer ITIMER_REAL of a process, which runs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Alarm {
+    /// The process.
+    pub(crate) process: i32,
+    /// The next instant.
+    pub(crate) due_ns: u64,
+    /// The period; 0: it rings once.
+    pub(crate) every_ns: u64,
+}
+
+impl Kernel {
+    /// The port that a descriptor of a task is.
+    pub(crate) fn port(&self, task: usize, descriptor: i32) -> Option<usize> {
+        let file = proc::descriptor(self.tasks[task].tid, descriptor)?;
+        self.ports.iter().position(|port| port.flag.name() == file)
+    }
+
+    /// A task's call was a look, unless it has waited.
+    pub(crate) fn charge(&mut self, task: usize) {
+        if self.tasks[task].call.began_ns < self.now_ns {
+            self.tasks[task].looks = 0;
+        } else {
+            self.look(task);
+        }
+    }
+
+    /// A task has made a look: it pays for it, if it has made many.
+    pub(crate) fn look(&mut self, task: usize) {
+        self.tasks[task].looks += 1;
+        if self.tasks[task].looks > self.price.free_looks {
+            self.pay(task);
+        }
+    }
+
+    /// A task has made a call that is no look.
+    pub(crate) fn count_call(&mut self, task: usize) {
+        let caller = &mut self.tasks[task];
+        caller.calls += 1;
+        if caller.calls > FREE_CALLS && caller.activity == Activity::Running {
+            self.pay(task);
+        }
+    }
+
+    fn pay(&mut self, task: usize) {
+        let price_ns = self.price.look_ns.max(1);
+        let payer = &mut self.tasks[task];
+        payer.activity = Activity::Paying { until_ns: self.now_ns.saturating_add(price_ns) };
+        payer.charged_ns += price_ns;
+        self.report.charged += 1;
+        self.report.charged_ns += price_ns;
+    }
+
+    /// A new task.
+    pub(crate) fn add_task(&mut self, tid: i32, scratch: u64, registers: Registers) {
+        let process = proc::process(tid).unwrap_or(tid);
+        self.tasks.push(Task::new(tid, process, self.report.tasks, scratch, registers));
+        self.report.tasks += 1;
+        self.report.tasks_at_most = self.report.tasks_at_most.max(self.tasks.len());
+        self.progress += 1;
+    }
+
+    /// All bytes that have come are given to the ports.
+    pub(crate) fn take_bytes(&mut self, cables: &mut dyn Cables) {
+        for (number, port) in self.ports.iter_mut().enumerate() {
+            let mut bytes = Vec::new();
+            cables.take(number, &mut bytes);
+            if !bytes.is_empty() {
+                self.progress += 1;
+                let echo = port.receive(&bytes, self.now_ns);
+                if !echo.is_empty() {
+                    cables.write(number, &echo);
+                }
+            }
+        }
+    }
+
+    /// Ports that no process has open any more are closed.
+    pub(crate) fn close_ports(&mut self, cables: &mut dyn Cables) {
+        if self.ports.iter().all(|port| !port.is_open) {
+            return;
+        }
+        let mut files = Vec::new();
+        let processes: std::collections::BTreeSet<i32> = self.tasks.iter().map(|task| task.process).collect();
+        for process in processes {
+            files.extend(proc::descriptors(process));
+        }
+        for (number, port) in self.ports.iter_mut().enumerate() {
+            if port.is_open && !files.iter().any(|file| file == port.flag.name()) {
+                port.is_open = false;
+                port.is_exclusive = false;
+                port.input.clear();
+                port.show();
+                if port.termios.hangs_up() {
+                    port.outputs = crate::cables::ModemOutputs::default();
+                    cables.set_outputs(number, port.outputs);
+                }
+            }
+        }
+    }
+
+    /// Alarms that are due ring: their signals are sent.
+    pub(crate) fn ring(&mut self) {
+        let now_ns = self.now_ns;
+        for alarm in &mut self.alarms {
+            if alarm.due_ns > now_ns {
+                continue;
+            }
+            let mut tasks = self.tasks.iter().filter(|task| task.process == alarm.process);
+            let first = tasks.next().map(|task| task.tid);
+            let willing = |tid: &i32| proc::signals(*tid).blocked & mask(libc::SIGALRM) == 0;
+            if let Some(tid) =
+                first.filter(willing).or_else(|| tasks.map(|task| task.tid).find(willing)).or(first)
+            {
+                trace::signal(alarm.process, tid, libc::SIGALRM);
+            }
+            alarm.due_ns = if alarm.every_ns == 0 { u64::MAX } else { alarm.due_ns + alarm.every_ns };
+            self.has_signals = true;
+        }
+        self.alarms.retain(|alarm| alarm.due_ns < u64::MAX);
+    }
+
+    /// The instant at which a task goes on, or an alarm rings.
+    pub(crate) fn until_ns(&self) -> Option<u64> {
+        let tasks = self.tasks.iter().filter_map(|task| task.activity.until_ns());
+        tasks.chain(self.alarms.iter().map(|alarm| alarm.due_ns)).min()
+    }
+}
