@@ -2,6 +2,7 @@
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::recorded_change::Change;
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Intervention, Pose};
 
 /// A change as it is recorded.
@@ -17,7 +18,11 @@ pub fn change(intervention: &Intervention) -> v1::RecordedChange {
         }
         Intervention::PullCable { robot, pulled } => Change::PullCable(v1::PullCable { robot, pulled }),
         Intervention::SetBaud { robot, baud } => Change::SetBaud(v1::SetBaud { robot, baud }),
-        Intervention::OpenPort { robot, open } => Change::Port(v1::RecordedPort { robot, open }),
+        Intervention::OpenPort { robot, port_use } => Change::Port(v1::RecordedPort {
+            robot,
+            open: port_use != PortUse::Closed,
+            simulated_time: port_use == PortUse::Simulated,
+        }),
         Intervention::ResetBoard { robot } => Change::ResetBoard(robot),
     };
     v1::RecordedChange { change: Some(change) }
@@ -34,7 +39,14 @@ pub fn intervention(change: Change) -> Intervention {
         }
         Change::PullCable(v1::PullCable { robot, pulled }) => Intervention::PullCable { robot, pulled },
         Change::SetBaud(v1::SetBaud { robot, baud }) => Intervention::SetBaud { robot, baud },
-        Change::Port(v1::RecordedPort { robot, open }) => Intervention::OpenPort { robot, open },
+        Change::Port(v1::RecordedPort { robot, open, simulated_time }) => {
+            let port_use = match (open, simulated_time) {
+                (false, _) => PortUse::Closed,
+                (true, false) => PortUse::Open,
+                (true, true) => PortUse::Simulated,
+            };
+            Intervention::OpenPort { robot, port_use }
+        }
         Change::ResetBoard(robot) => Intervention::ResetBoard { robot },
     }
 }

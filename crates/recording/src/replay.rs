@@ -4,6 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
+use baudbot_sim::cable::Cable;
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Input, SimTime, World};
 
 use crate::error::RecordingError;
@@ -249,12 +251,20 @@ pub(crate) fn finish<'a>(world: &mut World, inputs: impl IntoIterator<Item = &'a
             world.answers(input.robot as usize, tick);
         }
     }
+    let robots = &world.scenario().clone().robots;
+    let is_within = |input: &v1::RecordedInput| {
+        robots.get(input.robot as usize).is_some_and(|spec| spec.port_use == PortUse::Simulated)
+    };
     for input in inputs.clone() {
-        if let Some(sensor) = input.sensor {
-            world.write_port(input.robot as usize, sensor as usize, at(input), &input.data);
+        let robot = input.robot as usize;
+        if is_within(input) {
+            let cable = input.sensor.map_or(Cable::Robot, |sensor| Cable::Sensor(sensor as usize));
+            world.write_within(robot, cable, at(input), &input.data);
+        } else if let Some(sensor) = input.sensor {
+            world.write_port(robot, sensor as usize, at(input), &input.data);
         }
     }
-    let written = inputs.into_iter().filter(|input| input.sensor.is_none());
+    let written = inputs.into_iter().filter(|input| input.sensor.is_none() && !is_within(input));
     let input = |input: &'a v1::RecordedInput| Input {
         robot: input.robot as usize,
         at: at(input),

@@ -16,6 +16,7 @@ mod driven_world;
 pub mod in_process;
 #[cfg(feature = "learn")]
 pub mod learn;
+mod port_world;
 #[cfg(feature = "brains")]
 pub mod programs;
 #[cfg(feature = "brains")]
@@ -24,5 +25,6 @@ mod suggest;
 #[cfg(feature = "brains")]
 pub use attached::AttachedBrains;
 pub use driven_world::{BareWorld, DrivenWorld, Driver, LockstepWorld, Refusal};
+pub use port_world::PortWorld;
 #[cfg(feature = "brains")]
 pub use suggest::UnknownName;

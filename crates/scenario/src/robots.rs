@@ -22,7 +22,7 @@ use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Deviation, Drive, Wheel, forward_gain, turn_gain};
 use baudbot_sim::firmware::Firmware;
 use baudbot_sim::link::Link;
-use baudbot_sim::model::{RobotModel, RobotSpec, Writes};
+use baudbot_sim::model::{PortUse, RobotModel, RobotSpec, Writes};
 use baudbot_sim::motor::Motors;
 use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::Sensor;
@@ -56,7 +56,10 @@ pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>)
         let model = shared(model, robots.last().map(|(_, last)| last));
         for (place, name, start) in places {
             let model = with_faults(&path, &model, (&name, context.seed), &faults)?;
-            robots.push((place, RobotSpec { name, group: group.clone(), start, model, port_is_open: false }));
+            robots.push((
+                place,
+                RobotSpec { name, group: group.clone(), start, model, port_use: PortUse::Closed },
+            ));
         }
     }
     starts::stand_free(&robots, context)?;

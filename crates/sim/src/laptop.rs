@@ -10,7 +10,7 @@ use crate::firmware::{Decoder, Firmware, Found};
 use crate::freshness::Freshness;
 use crate::heard::AllHeard;
 use crate::link::{Line, Message as Arrived};
-use crate::model::RobotSpec;
+use crate::model::{PortUse, RobotSpec};
 use crate::sensor::Sensor;
 use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
@@ -41,6 +41,10 @@ pub(crate) struct Laptop {
     /// The instants at which each of them arrived, for a program that has opened the port.
     #[serde(skip)]
     pub(crate) instants: Vec<SimTime>,
+    /// Bytes that have arrived in this tick for a program in simulated time, which has not heard of them yet. A replay has no
+    /// program: they are no part of the state.
+    #[serde(skip)]
+    pub(crate) arrived: Vec<u8>,
     /// A message has arrived whole since the brain's last step.
     pub(crate) has_message: bool,
     /// The instant until which the brain thinks.
@@ -72,6 +76,7 @@ impl Laptop {
             readings: alloc::vec![Reading::default(); sensors],
             unread: Vec::new(),
             instants: Vec::new(),
+            arrived: Vec::new(),
             has_message: false,
             busy_until: SimTime::ZERO,
             freshness: alloc::vec![Freshness::default(); sensors],
@@ -115,9 +120,13 @@ impl Laptop {
             uplink.counters.overrun_bytes += 1;
             return None;
         }
-        self.unread.push(byte);
-        if spec.port_is_open {
-            self.instants.push(at);
+        match spec.port_use {
+            PortUse::Closed => self.unread.push(byte),
+            PortUse::Open => {
+                self.unread.push(byte);
+                self.instants.push(at);
+            }
+            PortUse::Simulated => self.arrived.push(byte),
         }
         if spec.chip.as_ref().is_some_and(|chip| chip.is_opaque()) {
             return None;
@@ -246,11 +255,7 @@ impl Laptop {
     ) -> Option<bool> {
         let sensor = &spec.sensors[i];
         let port = sensor.port.as_ref()?;
-        let unread = state.unread.len();
-        let received = state.receive(port, &sensor.device, arrival);
-        if spec.port_is_open && state.unread.len() > unread {
-            state.instants.push(arrival.0);
-        }
+        let received = state.receive(port, &sensor.device, arrival, spec.port_use);
         let (values, sampled_at) = match received {
             Received::Reading(values, sampled_at) => (values, sampled_at),
             Received::Answer(is_start) => return Some(is_start),

@@ -7,6 +7,7 @@ use core::ops::Deref;
 
 pub use baudbot_fields::{Frequency, NoWrites, Writes};
 use baudbot_geometry::{Point, Pose};
+use serde::{Deserialize, Serialize};
 
 use crate::actuator::Actuator;
 use crate::arena::Look;
@@ -32,9 +33,23 @@ pub struct RobotSpec {
     pub start: Start,
     /// The model. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
     pub model: Arc<RobotModel>,
-    /// Whether its laptop has its serial ports open for a program that reads each byte at its own instant
-    /// ([`Intervention::OpenPort`](crate::Intervention::OpenPort)). No scenario begins so.
-    pub port_is_open: bool,
+    /// Who reads its laptop's serial ports ([`Intervention::OpenPort`](crate::Intervention::OpenPort)). Scenarios begin with
+    /// [`PortUse::Closed`].
+    pub port_use: PortUse,
+}
+
+/// Who reads the laptop's serial ports at a robot's cables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PortUse {
+    /// A brain, which steps once a tick.
+    #[default]
+    Closed,
+    /// A program that follows the clock, and reads each byte at its own instant. What comes during a tick can be known when it
+    /// begins, so the brain's step is at the end of each tick.
+    Open,
+    /// A program in simulated time: it acts whenever a byte has come and writes at that instant, within the tick
+    /// ([`World::hear`](crate::World::hear), [`World::write_within`](crate::World::write_within)). There are no steps.
+    Simulated,
 }
 
 /// A robot is what its model is, so that `robot.link` is `robot.model.link`.

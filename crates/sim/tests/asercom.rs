@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Input, Intervention, World};
 
 use crate::common::{command, refusal, world};
@@ -23,7 +24,7 @@ struct Program {
 
 impl Program {
     fn open(mut world: World) -> Self {
-        world.intervene(&Intervention::OpenPort { robot: "e".into(), open: true }).unwrap();
+        world.intervene(&Intervention::OpenPort { robot: "e".into(), port_use: PortUse::Open }).unwrap();
         Self { world, ticks: 0 }
     }
 

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Input, Intervention, SimTime, World};
 
 use crate::common::{BODY, world};
@@ -37,7 +38,7 @@ fn ask(world: &mut World, bytes: &[u8], ticks: u64) -> Vec<(SimTime, u8)> {
 
 fn open(toml: &str) -> World {
     let mut world = world(toml);
-    world.intervene(&Intervention::OpenPort { robot: "r".into(), open: true }).unwrap();
+    world.intervene(&Intervention::OpenPort { robot: "r".into(), port_use: PortUse::Open }).unwrap();
     world
 }
 

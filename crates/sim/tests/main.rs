@@ -35,6 +35,7 @@ mod sight;
 mod statistics;
 mod steady_tick;
 mod timing;
+mod within_ticks;
 mod world;
 
 /// A file that is not named here is no test.

@@ -1,5 +1,6 @@
 //! Serial ports that programs open: bytes at their instants, whatever the tick; boards that are reset; the same run again.
 
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Input, Intervention, InterventionError, SimTime, World};
 
 use crate::common::{BODY, world};
@@ -13,7 +14,8 @@ fn khepera(step_ms: f64) -> World {
 }
 
 fn open(world: &mut World, open: bool) {
-    world.intervene(&Intervention::OpenPort { robot: "k".into(), open }).unwrap();
+    let port_use = if open { PortUse::Open } else { PortUse::Closed };
+    world.intervene(&Intervention::OpenPort { robot: "k".into(), port_use }).unwrap();
 }
 
 /// Writes a line at the end of the first tick; gives all bytes that come, with their instants.
@@ -24,7 +26,7 @@ fn answer(world: &mut World, line: &[u8], ticks: u64) -> Vec<(SimTime, u8)> {
         let robot = world.robot(0);
         // Instants are no part of a state that was saved.
         let known = robot.unread_instants().len();
-        assert!(tick == 0 || !robot.spec().port_is_open || robot.unread().len() == known);
+        assert!(tick == 0 || robot.spec().port_use == PortUse::Closed || robot.unread().len() == known);
         heard.extend(robot.unread_instants().iter().copied().zip(robot.unread().iter().copied()));
         world.finish(&[Input { robot: 0, at: turn.at, bytes: if tick == 0 { line } else { &[] } }]);
     }
@@ -158,12 +160,12 @@ fn programs_open_ports_and_reset_boards_as_often_as_they_like() {
 fn a_robot_without_a_cable_has_no_port() {
     let mut world = world(&format!("[[robots]]\nname = \"k\"\n{BODY}\nlink = {{ kind = \"onboard\" }}\n"));
     for intervention in [
-        Intervention::OpenPort { robot: "k".into(), open: true },
+        Intervention::OpenPort { robot: "k".into(), port_use: PortUse::Open },
         Intervention::ResetBoard { robot: "k".into() },
     ] {
         let error = world.intervene(&intervention).unwrap_err();
         assert_eq!(error, InterventionError::NoCable { robot: "k".into(), cable: "cable" });
     }
-    let missing = Intervention::OpenPort { robot: "x".into(), open: true };
+    let missing = Intervention::OpenPort { robot: "x".into(), port_use: PortUse::Open };
     assert!(matches!(world.intervene(&missing), Err(InterventionError::Unknown { .. })));
 }

@@ -6601,6 +6601,10 @@ pub struct RecordedPort {
     /// True at the start, false at the end.
     #[prost(bool, tag = "2")]
     pub open: bool,
+    /// True if the program runs in simulated time: its bytes enter the cable within the tick, each at its own instant, and the robot
+    /// has no steps.
+    #[prost(bool, tag = "3")]
+    pub simulated_time: bool,
 }
 /// Topic `/baudbot/marks`: hashes with which a replay is compared. All inputs before the tick of the mark precede the
 /// mark in the file.

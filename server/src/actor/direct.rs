@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use baudbot_brain::{Action, Belief};
 use baudbot_proto::v1;
-use baudbot_run::LockstepWorld;
-use baudbot_sim::{Turn, World};
+use baudbot_run::{LockstepWorld, PortWorld};
+use baudbot_sim::cable::Cable;
+use baudbot_sim::{Intervention, InterventionError, SimTime, Turn, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
@@ -20,6 +21,7 @@ use crate::endpoint::Endpoint;
 use crate::endpoint::Mode;
 use crate::limits::{InForce, Limits};
 use crate::log::event;
+use crate::recording::Input;
 
 /// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains
 /// step in between. Robots that no brain was given keep still.
@@ -140,5 +142,35 @@ impl LockstepWorld for DirectWorld {
             actor.pacer.running.set(false, clock::now());
         }
         goes_on
+    }
+}
+
+/// Programs in simulated time. All that they write is recorded.
+impl PortWorld for DirectWorld {
+    fn hear(&mut self, robot: usize, until: SimTime) -> Option<SimTime> {
+        self.actor.world.hear(robot, until)
+    }
+
+    fn take_arrived(&mut self, robot: usize, cable: Cable, into: &mut Vec<u8>) {
+        self.actor.world.take_arrived(robot, cable, into);
+    }
+
+    fn write_within(&mut self, robot: usize, cable: Cable, at: SimTime, bytes: &[u8]) -> bool {
+        let is_written = self.actor.world.write_within(robot, cable, at, bytes);
+        if is_written && self.actor.records() {
+            let sensor = match cable {
+                Cable::Robot => None,
+                Cable::Sensor(i) => Some(i),
+            };
+            let input = Input { robot, sensor, at, bytes: bytes.to_vec(), answers_tick: None };
+            self.actor.ports.within.push(input);
+        }
+        is_written
+    }
+
+    fn change(&mut self, change: &Intervention) -> Result<(), InterventionError> {
+        self.actor.world.intervene(change)?;
+        self.actor.record_change(change);
+        Ok(())
     }
 }

@@ -1,11 +1,13 @@
 //! The robots' ports: what the server writes to them for brains.
 
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Intervention, RobotView, SimTime, World};
 
 use super::WorldActor;
 use super::final_command::FinalCommand;
 use crate::endpoint::{Sender, Sent};
 use crate::log::event;
+use crate::recording::Input;
 
 /// The ports of all robots, by robot.
 pub(super) struct Ports {
@@ -17,6 +19,8 @@ pub(super) struct Ports {
     pub(super) inputs: Vec<Pending>,
     /// The same for sensors on their own cables.
     pub(super) to_devices: Vec<ToDevice>,
+    /// What programs in simulated time have written in this tick, which is on its way already.
+    pub(super) within: Vec<Input>,
     /// Robots whose microcontroller is to be reset when the tick is over, as a program has opened their port.
     pub(super) to_reset: Vec<usize>,
     /// The messages that are written when a brain is gone, if the brain wants that.
@@ -49,6 +53,7 @@ impl Ports {
         Self {
             senders_at_begin: senders.clone(),
             inputs: Vec::new(),
+            within: Vec::new(),
             to_devices: Vec::new(),
             to_reset: Vec::new(),
             final_commands: vec![None; senders.len()],
@@ -101,8 +106,9 @@ impl WorldActor {
         let mut changes = Vec::new();
         let robots = || self.world.scenario().robots.iter();
         for (spec, open) in robots().zip(self.sessions.serial_ports().unwrap_or_default()) {
-            if spec.port_is_open != open {
-                changes.push(Intervention::OpenPort { robot: spec.name.clone(), open });
+            let port_use = if open { PortUse::Open } else { PortUse::Closed };
+            if spec.port_use != port_use {
+                changes.push(Intervention::OpenPort { robot: spec.name.clone(), port_use });
             }
         }
         for robot in std::mem::take(&mut self.ports.to_reset) {

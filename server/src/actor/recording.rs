@@ -137,7 +137,8 @@ impl WorldActor {
         for &(robot, _) in open {
             self.recording.overtaken_in[robot] = tick;
         }
-        if self.recording.is_on() || self.state.is_kept() {
+        if self.records() {
+            let within = std::mem::take(&mut self.ports.within);
             let robots = &self.world.scenario().robots;
             let inputs = self.ports.inputs.drain(..).map(|Pending { robot, at, sent, tick }| {
                 let bytes = sent.into_bytes(&robots[robot]);
@@ -146,9 +147,14 @@ impl WorldActor {
             let to_devices = self.ports.to_devices.drain(..).map(|ToDevice { robot, sensor, at, bytes }| {
                 Input { robot, sensor: Some(sensor), at, bytes, answers_tick: None }
             });
-            let inputs = recorded_inputs((tick, start), inputs.chain(to_devices));
+            let inputs = recorded_inputs((tick, start), within.into_iter().chain(inputs).chain(to_devices));
             self.record_all(inputs);
         }
+    }
+
+    /// Whether inputs are recorded.
+    pub(super) fn records(&self) -> bool {
+        self.recording.is_on() || self.state.is_kept()
     }
 
     /// Records the answer of a brain that was overtaken.

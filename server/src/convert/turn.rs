@@ -226,6 +226,7 @@ impl Backwards {
 mod tests {
     use baudbot_proto::v1;
     use baudbot_sim::Intervention;
+    use baudbot_sim::model::PortUse;
     use prost::Message as _;
 
     use std::time::Instant;
@@ -287,7 +288,7 @@ mod tests {
         for toml in scenarios {
             let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
             let robot = world.scenario().robots[0].name.clone();
-            let opens = world.intervene(&Intervention::OpenPort { robot, open: true });
+            let opens = world.intervene(&Intervention::OpenPort { robot, port_use: PortUse::Open });
             opened += usize::from(opens.is_ok());
             for tick in 0..60 {
                 world.begin();

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
 use baudbot_recording::{Digests, checksum, header, saved};
+use baudbot_sim::model::PortUse;
 use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::{Code, Status};
@@ -372,12 +373,11 @@ fn described(intervention: &Intervention) -> String {
         Intervention::PullCable { robot, pulled: true } => format!("the cable of `{robot}` was pulled"),
         Intervention::PullCable { robot, pulled: false } => format!("the cable of `{robot}` was plugged in"),
         Intervention::SetBaud { robot, baud } => format!("the cable of `{robot}` was set to {baud} baud"),
-        Intervention::OpenPort { robot, open: true } => {
-            format!("a serial port was opened for `{robot}`")
-        }
-        Intervention::OpenPort { robot, open: false } => {
-            format!("the serial port of `{robot}` was closed")
-        }
+        Intervention::OpenPort { robot, port_use } => match port_use {
+            PortUse::Open => format!("a serial port was opened for `{robot}`"),
+            PortUse::Simulated => format!("a program in simulated time has the serial port of `{robot}`"),
+            PortUse::Closed => format!("the serial port of `{robot}` was closed"),
+        },
         Intervention::ResetBoard { robot } => {
             format!("a program has opened the port, which has reset the microcontroller of `{robot}`")
         }

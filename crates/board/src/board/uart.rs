@@ -10,7 +10,8 @@ use crate::warning::WarningKind;
 /// UCSR0B.
 const CONTROL_B: u16 = 0xC1;
 const RECEIVER_ON: u8 = 1 << 4;
-/// The character before may have begun later than asked for, by an instruction or an interrupt with which a run ended.
+/// The character before may have begun later than asked for, by an instruction or an interrupt with which a run ended, whatever the
+/// rate.
 const LATEST_START_CYCLES: u64 = 8;
 
 /// A character cannot come in.
@@ -45,7 +46,9 @@ impl Board {
         let start = clock.cycle(start_ns);
         let start = if start_ns >= self.now_ns { start.max(self.chip.now()) } else { start };
         let begun = match self.chip.receive(frame, start, bit) {
-            Err(LineError::Occupied { start, free }) if free - start <= LATEST_START_CYCLES => {
+            Err(LineError::Occupied { start, free })
+                if free - start <= LATEST_START_CYCLES.max(bit.begin_of(1) / 2) =>
+            {
                 self.chip.receive(frame, free, bit).map(|()| free)
             }
             taken => taken.map(|()| start),

@@ -8,7 +8,7 @@ use super::{Microcontroller, Taken};
 use crate::firmware::{Protocol, Refusal};
 use crate::laptop::Laptop;
 use crate::link::{Command, Line, LineCounters, Link};
-use crate::model::RobotSpec;
+use crate::model::{PortUse, RobotSpec};
 use crate::time::SimTime;
 
 impl Microcontroller {
@@ -68,7 +68,7 @@ impl Microcontroller {
             matches!((&spec.link, spec.firmware.protocol), (Link::Ideal, Protocol::Framed { .. }))
                 && uplink.is_idle_and_instant(&spec.link)
                 && spec.processor.framing_ns_per_byte == 0
-                && !spec.port_is_open;
+                && spec.port_use == PortUse::Closed;
         if !is_instant {
             return None;
         }

@@ -17,7 +17,7 @@ use super::{Robot, Tick};
 use crate::drive::Wheels;
 use crate::link::Message;
 use crate::microcontroller::{Condition, Order, Taken, Task};
-use crate::model::{OnLate, RobotSpec};
+use crate::model::{OnLate, PortUse, RobotSpec};
 use crate::sensor::Event;
 use crate::time::SimTime;
 use crate::timeline::What;
@@ -55,11 +55,19 @@ impl Robot {
             self.advance(spec, tick, now + 1, None);
             return None;
         }
-        if spec.port_is_open {
-            // A port reads on until the tick is over, whatever comes; brains' thinking and stalls are none of its.
-            self.advance(spec, tick, end, None);
-            self.counters.turns += 1;
-            return Some(end);
+        match spec.port_use {
+            PortUse::Closed => {}
+            PortUse::Open => {
+                // A port reads on until the tick is over, whatever comes; brains' thinking and stalls are none of its.
+                self.advance(spec, tick, end, None);
+                self.counters.turns += 1;
+                return Some(end);
+            }
+            PortUse::Simulated => {
+                self.forget_arrived();
+                self.advance(spec, tick, now + 1, None);
+                return None;
+            }
         }
         // The brain steps when a message has come, in the first stretch of time in which it does not stall.
         let step = loop {
@@ -81,8 +89,8 @@ impl Robot {
     }
 
     /// Runs the timeline of microcontroller and link through all that happens before `until`. With `earliest`, stops
-    /// when the brain can step, which is when a message has arrived and `earliest` is reached, and returns when that
-    /// is; what happens at that very instant has then happened.
+    /// when the brain can step, which is when a message has arrived, for a program in simulated time a byte, and `earliest` is
+    /// reached, and returns when that is; what happens at that very instant has then happened.
     pub(crate) fn advance(
         &mut self,
         spec: &RobotSpec,
@@ -90,7 +98,7 @@ impl Robot {
         until: SimTime,
         earliest: Option<SimTime>,
     ) -> Option<SimTime> {
-        let mut step = earliest.filter(|_| self.laptop.has_message);
+        let mut step = earliest.filter(|_| self.has_news(spec));
         // The next event on the robot is kept while bytes arrive at the laptop, which change nothing on the robot: on a fast
         // cable most events are such bytes.
         let mut on_robot = self.next_on_robot(spec);
@@ -106,7 +114,7 @@ impl Robot {
                 let soon = self.run_next(spec, tick, now, (next, end, earliest.is_some() && step.is_none()));
                 on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
-                if step.is_none() && self.laptop.has_message {
+                if step.is_none() && self.has_news(spec) {
                     step = earliest.map(|earliest| earliest.max(now));
                 }
                 continue;
@@ -120,7 +128,7 @@ impl Robot {
             } else {
                 heard = self.hear(spec, arrival, on_robot.0.min(end));
             }
-            if step.is_none() && self.laptop.has_message {
+            if step.is_none() && self.has_news(spec) {
                 step = earliest.map(|earliest| earliest.max(heard));
             }
         }
@@ -289,9 +297,9 @@ impl Robot {
     fn hear(&mut self, spec: &RobotSpec, first: SimTime, before: SimTime) -> SimTime {
         let alone = self.ports.is_empty() && self.uplink.is_direct();
         let last = if alone { SimTime::from_ns(before.as_ns() - 1) } else { first };
-        let had_message = self.laptop.has_message;
+        let had_news = self.has_news(spec);
         let mut now = first;
-        while self.laptop.has_message == had_message
+        while self.has_news(spec) == had_news
             && let Some((at, byte)) = self.uplink.take(&spec.link, last)
         {
             now = at.max(first);

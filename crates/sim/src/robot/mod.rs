@@ -13,6 +13,7 @@ mod motion;
 mod onboard;
 mod ports;
 mod recorder;
+mod within;
 mod writes;
 
 use alloc::boxed::Box;

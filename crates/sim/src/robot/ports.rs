@@ -19,6 +19,7 @@ impl Robot {
         self.laptop.unread.clear();
         self.laptop.instants.clear();
         self.ports.iter_mut().for_each(PortState::clear);
+        self.forget_arrived();
         let Some(dialogues) = &mut self.parts.dialogues else { return };
         for (k, (dialogue, state)) in dialogues.iter_mut().zip(&mut self.ports).enumerate() {
             if let (Some(dialogue), Some(port)) = (dialogue, port(spec, k)) {

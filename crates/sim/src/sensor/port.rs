@@ -9,6 +9,7 @@ use baudbot_wire::{line_image, nmea, port, scip};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message};
+use crate::model::PortUse;
 use crate::sensor::dialogue::{self, Dialogue};
 use crate::sensor::sky::{Dilution, SKY};
 use crate::sensor::{Device, Sensor};
@@ -49,6 +50,9 @@ pub(crate) struct PortState {
     /// When each of them arrived, for a program that wants to know.
     #[serde(skip)]
     pub(crate) instants: Vec<SimTime>,
+    /// As of the [laptop](crate::laptop::Laptop::arrived).
+    #[serde(skip)]
+    pub(crate) arrived: Vec<u8>,
     sequence: u16,
 }
 
@@ -69,7 +73,14 @@ impl PortState {
     pub(crate) fn new(sensor: &Sensor, seed: u64, robot: &str) -> Self {
         let link = sensor.port.as_ref().map_or(&Link::Ideal, |port| &port.link);
         let line = Line::up(link, seed, &[robot, "/", &sensor.name, ":port"]);
-        Self { line, message: Vec::new(), unread: Vec::new(), instants: Vec::new(), sequence: 0 }
+        Self {
+            line,
+            message: Vec::new(),
+            unread: Vec::new(),
+            instants: Vec::new(),
+            arrived: Vec::new(),
+            sequence: 0,
+        }
     }
 
     /// The bytes that have arrived have been read.
@@ -113,13 +124,26 @@ impl PortState {
     }
 
     /// A byte arrives at the laptop's end.
-    pub(crate) fn receive(&mut self, port: &Port, device: &Device, (at, byte): (SimTime, u8)) -> Received {
+    pub(crate) fn receive(
+        &mut self,
+        port: &Port,
+        device: &Device,
+        (at, byte): (SimTime, u8),
+        port_use: PortUse,
+    ) -> Received {
         if self.unread.len() >= UNREAD_MAX {
             self.line.counters.overrun_bytes += 1;
             self.message.clear();
             return Received::Nothing;
         }
-        self.unread.push(byte);
+        match port_use {
+            PortUse::Closed => self.unread.push(byte),
+            PortUse::Open => {
+                self.unread.push(byte);
+                self.instants.push(at);
+            }
+            PortUse::Simulated => self.arrived.push(byte),
+        }
         self.message.push(byte);
         let mut heard = port.hear(device, &mut self.message, at);
         if self.message.len() > port.longest(device) {

@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use super::World;
 use crate::link::{Link, Uart};
+use crate::model::PortUse;
 use crate::movable::{Body, MovableState};
 use crate::time::SimTime;
 
@@ -49,14 +50,12 @@ pub enum Intervention {
         /// The rate, in bits a second.
         baud: u32,
     },
-    /// The laptop's serial ports at a robot's cables are opened for a program, or closed again. Such a program reads each
-    /// byte at its own instant. What comes during a tick can be known when it begins, so the brain's step is at the end of
-    /// each tick.
+    /// The laptop's serial ports at a robot's cables are opened for a program, or closed again.
     OpenPort {
         /// The robot's name.
         robot: String,
-        /// Whether the port is opened; otherwise it is closed.
-        open: bool,
+        /// Who reads them from now on.
+        port_use: PortUse,
     },
     /// The microcontroller of a robot is reset, as many boards are by DTR when a program opens their port. Its bootloader
     /// waits, motors get no signal, and what was on its way to it is lost. Its schedules keep their grid in time.
@@ -149,7 +148,7 @@ impl Altered {
     /// the one before. A port that is closed again is as it was.
     pub(super) fn note(&mut self, at: SimTime, change: &Intervention) {
         self.0.retain(|(_, earlier)| !is_outdone(earlier, change));
-        if !matches!(change, Intervention::OpenPort { open: false, .. }) {
+        if !matches!(change, Intervention::OpenPort { port_use: PortUse::Closed, .. }) {
             self.0.push((at, change.clone()));
         }
     }
@@ -186,8 +185,8 @@ impl World {
             Intervention::PlaceThing { thing, pose } => return self.place_thing(thing, pose),
             Intervention::PullCable { robot, pulled } => self.pull_cable(robot, *pulled)?,
             Intervention::SetBaud { robot, baud } => self.set_baud(robot, *baud)?,
-            Intervention::OpenPort { robot, open } => {
-                self.open_port(robot, *open)?.is_some_and(|own| self.hand_over_ports(own, *open))
+            Intervention::OpenPort { robot, port_use } => {
+                self.open_port(robot, *port_use)?.is_some_and(|own| self.hand_over_ports(own, *port_use))
             }
             Intervention::ResetBoard { robot } => self.reset_board(robot)?,
         };
@@ -292,26 +291,26 @@ impl World {
     }
 
     /// Opens or closes the port, with the result of [`cut_cable`](Self::cut_cable).
-    fn open_port(&mut self, name: &str, open: bool) -> Result<Option<usize>> {
+    fn open_port(&mut self, name: &str, port_use: PortUse) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
         let spec = &self.scenario().robots[own];
         if let Link::Onboard = spec.link {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
         }
-        if spec.port_is_open == open {
+        if spec.port_use == port_use {
             return Ok(None);
         }
-        if open {
+        if port_use != PortUse::Closed {
             self.may_alter(name)?;
         }
-        self.scenario_mut().robots[own].port_is_open = open;
+        self.scenario_mut().robots[own].port_use = port_use;
         Ok(Some(own))
     }
 
     /// The ports of this robot are a program's from now on, or no longer. Always true.
-    fn hand_over_ports(&mut self, own: usize, open: bool) -> bool {
+    fn hand_over_ports(&mut self, own: usize, port_use: PortUse) -> bool {
         let (spec, now) = (self.scenario().robots[own].clone(), self.time());
-        self.state_mut().robots[own].open_ports(&spec, open, now);
+        self.state_mut().robots[own].open_ports(&spec, port_use != PortUse::Closed, now);
         true
     }
 
@@ -346,7 +345,7 @@ impl World {
             let changed = match intervention {
                 Intervention::PullCable { robot, pulled } => self.cut_cable(robot, *at, *pulled),
                 Intervention::SetBaud { robot, baud } => self.change_baud(robot, *baud),
-                Intervention::OpenPort { robot, open } => self.open_port(robot, *open),
+                Intervention::OpenPort { robot, port_use } => self.open_port(robot, *port_use),
                 Intervention::ResetBoard { robot } => self.start_board(robot, *at).map(Some),
                 Intervention::PlaceRobot { .. } | Intervention::PlaceThing { .. } => Ok(None),
             };

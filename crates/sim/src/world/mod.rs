@@ -15,6 +15,7 @@ mod spare;
 mod starts;
 mod timelines;
 mod trails;
+mod within;
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;

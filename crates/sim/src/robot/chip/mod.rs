@@ -12,7 +12,7 @@ use state::Span;
 
 use super::measurement::measurement;
 use super::{Robot, Tick};
-use crate::model::RobotSpec;
+use crate::model::{PortUse, RobotSpec};
 use crate::time::SimTime;
 use crate::timeline::What;
 
@@ -24,8 +24,12 @@ impl Robot {
     pub(super) fn run_chip(&mut self, spec: &RobotSpec, tick: &Tick<'_>, until: SimTime, may_step: bool) {
         let (Some(mut chip), Some(chip_spec)) = (self.parts.chip.take(), &spec.chip) else { return };
         let now = chip.now().max(tick.start);
-        let is_silent = chip_spec.is_opaque() && self.ports.is_empty();
-        let slice_ns = if may_step && !is_silent { spec.link.burst_ns(1) * 9 / 10 } else { u64::MAX };
+        let is_silent = chip_spec.is_opaque() && self.ports.is_empty() && spec.port_use != PortUse::Simulated;
+        let slice_ns = match (may_step && !is_silent, spec.port_use) {
+            (false, _) => u64::MAX,
+            (true, PortUse::Closed | PortUse::Open) => spec.link.burst_ns(1) * 9 / 10,
+            (true, PortUse::Simulated) => chip.slice_ns(now, spec.link.burst_ns(1)),
+        };
         let until = until.min(tick.end).min(SimTime::from_ns(now.as_ns().saturating_add(slice_ns)));
         let Self { microcontroller, motion, actuators, parts, recorder, pings, .. } = self;
         let measurement = measurement(spec, tick, now, (motion, actuators, parts));
