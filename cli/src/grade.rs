@@ -138,6 +138,7 @@ fn assigned(
     check(&assigned, &scenario).map_err(|error| Refused::error(error.to_string()))?;
     if args.show_output {
         assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
+        assigned.at_ports.iter_mut().for_each(|task| task.output = Output::Shown);
     }
     Ok(assigned)
 }

@@ -104,7 +104,7 @@ fn main() -> ExitCode {
     };
     let (filter, format) = (cli.log.clone(), cli.log_format);
     let command = cli.into_command();
-    let serves = matches!(command, Command::Run(_) | Command::Serve(_));
+    let serves = matches!(command, Command::Run(_) | Command::Program(_) | Command::Serve(_));
     // The logs live until the end: what is to be exported goes out when they are dropped.
     let _logs = logs::start(filter, format, serves);
     match execute(command) {
@@ -129,6 +129,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
+        Command::Program(args) => return runtime.block_on(run::run(&args.into_run())),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
         Command::Tune(args) => return runtime.block_on(tune::tune(args)),
         Command::Grade(args) => return runtime.block_on(grade::grade(args)),

@@ -26,6 +26,7 @@ mod plan;
 mod port;
 mod port_watch;
 mod preset;
+mod program;
 mod record;
 mod state;
 mod token;
@@ -69,6 +70,7 @@ pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::port_watch::WatchPortArgs;
 pub(crate) use self::preset::{EvidenceArgs, PresetArgs};
+pub(crate) use self::program::ProgramArgs;
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::state::{CheckStateArgs, RecoverArgs, StateCommand};
 pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
@@ -102,6 +104,9 @@ pub(crate) enum Command {
     /// Runs a scenario with its brains in this process and prints a summary
     #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
+    /// Runs an unmodified program that opens serial ports of a robot, in simulated time
+    #[command(after_long_help = program::EXAMPLES)]
+    Program(ProgramArgs),
     /// Runs an experiment: a scenario many times, with some of its fields varied
     #[command(after_long_help = SWEEP_EXAMPLES)]
     Sweep(SweepArgs),
@@ -200,8 +205,8 @@ pub(crate) struct RunArgs {
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
     /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which attaches to the
-    /// server, world and robot given by the environment variables BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT. ROBOT may be a pattern
-    /// such as 'cell-*'. By default every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
+    /// server, world and robot given by the environment variables BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT. `program:PROGRAM
+    /// ARGUMENTS…` opens serial ports instead, in simulated time (`baudbot help program`). ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// Set a parameter of all brains that have it; programs get it in the environment variable BAUDBOT_PARAMETERS

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use baudbot_run::programs::PROGRAM;
 use baudbot_scenario::budget::{Budget, RobotBudget, Verdict};
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
@@ -64,6 +65,12 @@ fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyh
     let is_open = !brains.iter().any(|brain| assignment::is_for_all(brain));
     brains.extend(is_open.then(|| assignment::NONE.to_owned()));
     let mut assigned = assignment::assign(&brains, &scenario.robots, &source.shown_brains())?;
+    if let Some(task) = assigned.at_ports.first() {
+        return Err(Refused::error(format!(
+            "--brain {PROGRAM}{}: nobody knows when a program of somebody else's writes before it runs, so it has no budget; a run              measures it (baudbot run), or say how it writes with --writes and name no brain",
+            task.program
+        )));
+    }
     let is_free = |spec: &&RobotSpec| {
         assignment::sees(spec) && !args.brains.iter().any(|brain| assignment::is_for(brain, spec))
     };

@@ -37,7 +37,7 @@ pub(super) fn ticks<'a>(
     (place, view): (usize, View),
     stop: &'a AtomicBool,
 ) -> anyhow::Result<Tick<'a>> {
-    if !assigned.programs.is_empty() {
+    if !assigned.programs.is_empty() || !assigned.at_ports.is_empty() {
         let mut world = World::new(Arc::new(scenario));
         let mut look = Look::new(&mut world, place, view);
         let run = Served::start(world, assigned.clone(), move |world, _| look.at(world));

@@ -6,7 +6,7 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::args::Over;
 use crate::natural;
-use crate::summary::{Blocked, Clock, Lateness, Recording, Robot, Score, Summary};
+use crate::summary::{Blocked, Clock, Lateness, Program, Recording, Robot, Score, Summary};
 use crate::text::{pairs, percent, table};
 
 /// The whole summary.
@@ -68,6 +68,7 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     head.extend(pacing(summary));
     head.extend(summary.score.iter().flat_map(score));
     head.extend(summary.recording.iter().flat_map(recording));
+    head.extend(summary.programs.iter().map(|program| ("program", of_program(program))));
     if summary.unseen_lines > 0 {
         let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
         head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
@@ -77,6 +78,31 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         head.push(("warning", text));
     }
     head
+}
+
+/// What a program in simulated time has come to, and what computing cost it.
+fn of_program(program: &Program) -> String {
+    let Program { robot, ended_s, price_ns, charged_calls, charged_s, waits, .. } = program;
+    let end = match ended_s {
+        Some(at_s) => format!("ended at {} s", handy(*at_s)),
+        None => waits.first().map_or_else(|| "was running".to_owned(), |wait| format!("was running: {wait}")),
+    };
+    let calls = count(usize::try_from(*charged_calls).unwrap_or(usize::MAX), "call");
+    let cost = match price_ns {
+        Some(price) => {
+            format!(
+                "{calls} that did not wait took {} s, {} each",
+                handy(*charged_s),
+                duration(*price as f64)
+            )
+        }
+        None if *charged_calls > 0 => format!(
+            "computing took no time, but {calls} that were made over and over without waiting took {} s",
+            handy(*charged_s)
+        ),
+        None => "computing took no time".to_owned(),
+    };
+    format!("in simulated time, at the ports of `{robot}`; it {end}; {cost}")
 }
 
 /// Whether robots may have brains, and not only programs.

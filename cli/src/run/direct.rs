@@ -6,6 +6,7 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Client, Looks};
 use baudbot_proto::v1;
 use baudbot_run::in_process::{AnyBrain, drivers};
+use baudbot_run::simulation::{self, Simulation, TickError};
 use baudbot_run::{DrivenWorld, LockstepWorld, Refusal};
 use baudbot_server::{DirectWorld, OnTick};
 use indicatif::ProgressBar;
@@ -21,7 +22,8 @@ pub(super) async fn run(
     outside: &mut Outside<'_>,
 ) -> anyhow::Result<v1::WorldStatus> {
     let world = plan.world(outside, on_tick).direct().map_err(from_builder)?;
-    let mut running = Running { plan, driven: DrivenWorld { world, drivers: Vec::new() }, looks: Vec::new() };
+    let driven = DrivenWorld { world, drivers: Vec::new() };
+    let mut running = Running { plan, driven, programs: None, looks: Vec::new() };
     let bar = progress(plan.ticks(), outside.args.quiet);
     let run = match running.attach() {
         Ok(()) => running.until_over(outside, &bar).await,
@@ -30,6 +32,7 @@ pub(super) async fn run(
     bar.finish_and_clear();
     // Whatever has happened, what was written is whole.
     let status = running.driven.world.close().await;
+    outside.programs = running.programs.as_ref().map_or_else(Vec::new, Simulation::progress);
     run?;
     status.map_err(|status| from_server(&status))
 }
@@ -37,6 +40,8 @@ pub(super) async fn run(
 struct Running<'a> {
     plan: &'a Plan,
     driven: DrivenWorld<DirectWorld, AnyBrain>,
+    /// Programs in simulated time, if there are some.
+    programs: Option<Simulation>,
     /// The instants at which the brain of each robot is asked for its beliefs.
     looks: Vec<Looks>,
 }
@@ -52,6 +57,14 @@ impl Running<'_> {
             let place = |name: &String| specs.iter().position(|spec| spec.name == *name);
             let robots: Vec<_> = assignment.robots.iter().filter_map(place).collect();
             self.driven.world.attach(&catalogue::shown_name(&assignment.brain), &robots);
+        }
+        let tasks = &self.plan.assigned.at_ports;
+        for task in tasks {
+            let place = specs.iter().position(|spec| spec.name == task.robot);
+            self.driven.world.attach(&task.program.to_string(), &place.into_iter().collect::<Vec<_>>());
+        }
+        if !tasks.is_empty() {
+            self.programs = Some(Simulation::start(&mut self.driven.world, tasks, self.plan.seed)?);
         }
         Ok(())
     }
@@ -76,10 +89,17 @@ impl Running<'_> {
 
     /// Makes ticks for a while. Whether the run goes on.
     fn slice(&mut self) -> anyhow::Result<bool> {
-        let Self { plan, driven, looks } = self;
+        let Self { plan, driven, programs, looks } = self;
         let begun = Instant::now();
         while begun.elapsed() < SLICE {
-            let goes_on = driven.advance(|driven| publish(driven, looks));
+            let goes_on = match programs {
+                None => driven.advance(|driven| publish(driven, looks)),
+                Some(programs) => match simulation::tick(driven, programs, |driven| publish(driven, looks)) {
+                    Err(TickError::Program(error)) => return Err(error.into()),
+                    Err(TickError::Brain(refusal)) => Err(refusal),
+                    Ok(goes_on) => Ok(goes_on),
+                },
+            };
             let failed = |Refusal { robot, error, .. }: Refusal<Status>| {
                 let asked = plan.assigned.brain_of(&robot).unwrap_or_default();
                 from_server(&error).context(format!("brain `{asked}` failed"))

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
-use baudbot_run::programs::Output;
+use baudbot_run::programs::{Output, PROGRAM};
+use baudbot_run::simulation::Progress;
 use baudbot_scenario::Override;
 use baudbot_server::{OnTick, Pace, WorldConfig};
 use baudbot_sim::{Scenario, SimTime, World};
@@ -65,6 +66,8 @@ struct Outside<'a> {
     interrupted: bool,
     /// Lines that the programs of brains have printed, and nobody has seen.
     unseen_lines: u64,
+    /// The programs in simulated time at the end.
+    programs: Vec<Progress>,
 }
 
 pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
@@ -80,7 +83,8 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     if !args.quiet {
         debuggers.tell(&plan.scenario);
     }
-    let mut outside = Outside { args, files, debuggers, stop, interrupted: false, unseen_lines: 0 };
+    let mut outside =
+        Outside { args, files, debuggers, stop, interrupted: false, unseen_lines: 0, programs: Vec::new() };
     let status = match plan.over {
         Over::Direct => direct::run(&plan, on_tick, &mut outside).await,
         Over::Grpc => served::run(&plan, on_tick, &mut outside).await,
@@ -90,6 +94,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let mut summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
     summary.add_last_lines(|robot| plan.tails.last_line(robot));
     summary.unseen_lines = outside.unseen_lines;
+    summary.add_programs(&outside.programs, &plan.assigned);
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -141,11 +146,20 @@ impl Plan {
         scenarios::warn(&source, &scenario);
         let mut assigned = assigned(args, &scenario, &source.shown_brains())?;
         assignment::set_parameters(&mut assigned, &args.parameters)?;
+        if over == Over::Grpc
+            && let Some(task) = assigned.at_ports.first()
+        {
+            return Err(Refused::error(format!(
+                "{PROGRAM}{}: a program in simulated time is on the thread of its world, and what needs a server is not: other                  programs (exec:), viewers, real time; leave out one of the two",
+                task.program
+            )));
+        }
         if args.show_output {
-            if assigned.programs.is_empty() {
+            if assigned.programs.is_empty() && assigned.at_ports.is_empty() {
                 return Err(Refused::error("--show-output: no brain is a program (--brain 'exec:…')"));
             }
             assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
+            assigned.at_ports.iter_mut().for_each(|task| task.output = Output::Shown);
         }
         assignment::state_writes(&assigned, &mut scenario)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);

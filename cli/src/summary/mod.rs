@@ -9,9 +9,11 @@ use crate::args::Over;
 use crate::assignment::Assigned;
 
 mod chip;
+mod program;
 mod robot;
 
 pub(crate) use chip::{Chip, ChipWarning, Rounds};
+pub(crate) use program::Program;
 pub(crate) use robot::{Battery, Cycles, Durations, Line, Robot, Sensor, Thinking, Zone};
 
 /// A run.
@@ -51,6 +53,9 @@ pub(crate) struct Summary {
     #[serde(skip)]
     pub(crate) unseen_lines: u64,
     pub(crate) robots: Vec<Robot>,
+    /// Programs in simulated time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) programs: Vec<Program>,
 }
 
 /// A recording of the run.
@@ -156,6 +161,7 @@ impl Summary {
             recording: status.recording.as_ref().map(Recording::new),
             unseen_lines: 0,
             robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assigned)).collect(),
+            programs: Vec::new(),
         }
     }
 }
@@ -256,7 +262,7 @@ mod tests {
         "#;
         let scenario = baudbot_scenario::parse(toml).unwrap();
         let brains = vec![Assignment { brain: "wander".into(), robots: vec!["alice".into()] }];
-        let assigned = Assigned { brains, programs: Vec::new() };
+        let assigned = Assigned { brains, ..Assigned::default() };
         let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
         let summary = Summary::new(&scenario, &status(scaled), true, &assigned, Over::Grpc);
         assert_eq!(summary.simulated_per_wall, 1.5);

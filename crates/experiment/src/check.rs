@@ -60,6 +60,7 @@ fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Erro
         Err(
             error @ (AssignmentError::Robot { .. }
             | AssignmentError::Twice { .. }
+            | AssignmentError::Mixed { .. }
             | AssignmentError::Program(_)),
         ) => {
             return Err(Error::field(field, error.to_string()));

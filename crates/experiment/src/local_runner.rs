@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use baudbot_run::in_process;
+use baudbot_run::{in_process, simulation};
 use baudbot_server::world_status;
 
 use crate::experiment::Experiment;
@@ -19,7 +19,11 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
             let problem = format!("`{}` is a program, which needs a server to attach to", task.program);
             return Err(RunError::new(problem));
         }
-        let world = in_process::run(scenario, &assigned.brains).map_err(RunError::new)?;
+        let world = if assigned.at_ports.is_empty() {
+            in_process::run(scenario, &assigned.brains).map_err(RunError::new)?
+        } else {
+            simulation::run(scenario, &assigned).map_err(RunError::new)?
+        };
         Ok(Ran::of(&world_status(&world)))
     };
     let outcome =

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use baudbot_run::assignment;
-use baudbot_run::programs::EXEC;
+use baudbot_run::programs::{EXEC, PROGRAM};
 
 use crate::error::Error;
 use crate::experiment::Experiment;
@@ -55,7 +55,7 @@ impl Packed {
 fn check_brains(experiment: &Experiment) -> Result<(), Error> {
     for brain in experiment.all_brains() {
         let brain = assignment::split(brain).1;
-        if let Some(program) = brain.strip_prefix(EXEC) {
+        if let Some(program) = brain.strip_prefix(EXEC).or_else(|| brain.strip_prefix(PROGRAM)) {
             let problem = format!("`{program}` is a program, which other machines do not have; {BY_HAND}");
             return Err(Error::field("brain.exec", problem));
         }

@@ -8,7 +8,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_run::AttachedBrains;
 use baudbot_run::assignment::{Assigned, Assignment, AssignmentError, START_PATIENCE};
-use baudbot_run::programs::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
+use baudbot_run::programs::{Crew, Failure as Broken, Held, Idle, Lifetime, PROGRAM, Problem};
 use tokio::runtime::Runtime;
 use tonic::{Code, Status};
 
@@ -159,6 +159,12 @@ impl Remote {
     async fn world(&self, experiment: &Experiment, task: &Task, lifetime: Lifetime) -> Result<Done, Failure> {
         // The errors of the run are reported here, in the same words as for one in this process.
         let mut setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
+        if let Some(task) = setup.assigned.at_ports.first() {
+            return Err(Failure::Run(format!(
+                "`{PROGRAM}{}` runs in simulated time, on the thread of its world, not with a server or with brains that attach to one",
+                task.program
+            )));
+        }
         setup.assigned.programs.iter_mut().for_each(|task| task.lifetime = lifetime);
         let mut control = self.control();
         let world = format!("{}-{}", self.name, task.run);

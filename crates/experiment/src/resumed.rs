@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use baudbot_run::assignment;
-use baudbot_run::programs::Program;
+use baudbot_run::programs::{PortProgram, Program};
 
 use crate::experiment::Experiment;
 use crate::journal::Journal;
@@ -44,9 +44,12 @@ fn note(journal: &Journal, total: Option<u64>) -> Option<String> {
 
 /// The files that programs of the experiment consist of, as far as they name them, and that are newer than this.
 fn changed(experiment: &Experiment, begun: SystemTime) -> Vec<PathBuf> {
-    let programs = experiment.all_brains().filter_map(|brain| Program::of_brain(assignment::split(brain).1));
+    let brains = || experiment.all_brains().map(|brain| assignment::split(brain).1);
     let folder = &experiment.folder;
-    let files = programs.flatten().flat_map(|program| program.in_folder(folder.clone()).files());
+    let programs = brains().filter_map(Program::of_brain).flatten();
+    let files = programs.flat_map(|program| program.in_folder(folder.clone()).files());
+    let at_ports = brains().filter_map(PortProgram::of_brain).flatten();
+    let files = files.chain(at_ports.flat_map(|program| program.in_folder(folder.clone()).files()));
     let mut changed: Vec<_> = files.filter(|file| is_newer(file, begun)).collect();
     changed.sort();
     changed.dedup();

@@ -1,4 +1,5 @@
-//! A run on a server of its own, which its brains attach to, and which is watched tick by tick.
+//! A run that is watched tick by tick: on a server of its own, which its brains attach to, or, with programs in simulated time, on a
+//! thread.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -8,9 +9,13 @@ use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
 use baudbot_run::assignment::Assigned;
+use baudbot_run::in_process::drivers;
+use baudbot_run::simulation::{Simulation, TickError, tick};
+use baudbot_run::{BareWorld, DrivenWorld};
 use baudbot_server::{Lockstep, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
 use tokio::sync::oneshot;
+use tokio::sync::oneshot::error::TryRecvError;
 
 use crate::error::Error;
 use crate::private_server::PrivateServer;
@@ -59,6 +64,13 @@ impl<T: Send + 'static> Served<T> {
     ) -> Result<Self, Error> {
         let (send, seen) = sync_channel(AHEAD);
         let (stop, stopped) = oneshot::channel();
+        let thread = std::thread::Builder::new().name("run".to_owned());
+        let no_thread = |error| Error::Server(format!("cannot start a thread: {error}"));
+        if !assigned.at_ports.is_empty() {
+            let each = move |world: &World| send.send(look(world, &[])).is_ok();
+            let run = thread.spawn(move || in_simulated_time(world, &assigned, stopped, each));
+            return Ok(Self { seen: Some(seen), stop: Some(stop), run: Some(run.map_err(no_thread)?) });
+        }
         let believed = Arc::new(Mutex::new(Vec::new()));
         let told = Arc::clone(&believed);
         let on_belief = Box::new(move |_: &World, robot, belief: &v1::Belief| {
@@ -73,12 +85,11 @@ impl<T: Send + 'static> Served<T> {
         let scenario = Scenario::clone(world.scenario());
         let world = WorldConfig::from_state(WORLD, world).pace(Pace::Lockstep(Lockstep::default()));
         let server = PrivateServer::start([world.paused(true).on_belief(on_belief).on_tick(on_tick)])?;
-        let run = std::thread::Builder::new().name("run".to_owned()).spawn(move || {
+        let run = thread.spawn(move || {
             let remote = Remote::connect(Host::Private(&server), WORLD)?;
             remote.run_world(WORLD, Setup { scenario, assigned }, stopped)
         });
-        let run = run.map_err(|error| Error::Server(format!("cannot start a thread: {error}")))?;
-        Ok(Self { seen: Some(seen), stop: Some(stop), run: Some(run) })
+        Ok(Self { seen: Some(seen), stop: Some(stop), run: Some(run.map_err(no_thread)?) })
     }
 
     /// The view of the next tick; `None` once the run is over, or is given up because `stop` is set.
@@ -114,6 +125,39 @@ impl<T: Send + 'static> Served<T> {
         self.end()?;
         Ok(Next::Over)
     }
+}
+
+/// A run with programs at ports, to the end of the world, until `stop`, or as long as somebody looks. A program that has ended leaves its
+/// robot as it is.
+fn in_simulated_time(
+    world: World,
+    assigned: &Assigned,
+    mut stop: oneshot::Receiver<()>,
+    mut each: impl FnMut(&World) -> bool,
+) -> Result<(), Error> {
+    let refused = |error: &dyn std::fmt::Display| Error::Refused(error.to_string());
+    let seed = world.scenario().seed;
+    let drivers =
+        drivers(&world.scenario().robots, &assigned.brains, seed).map_err(|error| refused(&error))?;
+    let mut driven = DrivenWorld { world: BareWorld::new(world), drivers };
+    let mut programs =
+        Simulation::start(&mut driven.world, &assigned.at_ports, seed).map_err(|error| refused(&error))?;
+    let mut is_looked_at = true;
+    while driven.world.ending().is_none() {
+        if !is_looked_at || stop.try_recv() != Err(TryRecvError::Empty) {
+            return Ok(());
+        }
+        let ticked = tick(&mut driven, &mut programs, |driven| {
+            is_looked_at = each(&driven.world);
+            Ok(())
+        });
+        if let Err(TickError::Program(error)) = ticked {
+            return Err(refused(&error));
+        }
+    }
+    driven.world.begin();
+    each(&driven.world);
+    Ok(())
 }
 
 impl<T> Served<T> {

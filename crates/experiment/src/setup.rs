@@ -74,6 +74,9 @@ fn assigned(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result
         task.program = task.program.clone().in_folder(experiment.folder.clone());
         task.lifetime = experiment.lifetime;
     }
+    for task in &mut assigned.at_ports {
+        task.program = task.program.clone().in_folder(experiment.folder.clone());
+    }
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
             assigned.set_parameter(name, value)?;

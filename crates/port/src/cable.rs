@@ -10,7 +10,7 @@ use baudbot_board::far_end::{Read, Receiver, Settings};
 
 /// Both directions of a cable. Instants are those of simulated time, in nanoseconds.
 #[derive(Debug)]
-pub(crate) struct Cable {
+pub struct Cable {
     /// The settings of the robot's UART; none without a UART.
     robot: Option<Settings>,
     /// The receiver of the program's UART, while its settings differ.
@@ -22,7 +22,8 @@ pub(crate) struct Cable {
 }
 
 impl Cable {
-    pub(crate) fn new(robot: Option<Settings>) -> Self {
+    /// A cable to a robot's UART that is set so, with nothing on it.
+    pub fn new(robot: Option<Settings>) -> Self {
         Self { robot, up: None, down: None, busy_until_ns: 0 }
     }
 
@@ -32,12 +33,12 @@ impl Cable {
     }
 
     /// The bytes that the program has sent are gone, also those that its UART has not sent yet.
-    pub(crate) fn forget_sent(&mut self) {
+    pub fn forget_sent(&mut self) {
         (self.down, self.busy_until_ns) = (None, 0);
     }
 
     /// The robot's UART has this rate now.
-    pub(crate) fn set_baud(&mut self, baud: Option<u32>) {
+    pub fn set_baud(&mut self, baud: Option<u32>) {
         if let (Some(robot), Some(baud)) = (&mut self.robot, baud) {
             robot.baud = baud;
         }
@@ -50,7 +51,7 @@ impl Cable {
 
     /// Bytes from the robot, with the instants at which they have arrived at the laptop. What is read does not arrive earlier than
     /// that.
-    pub(crate) fn up(&mut self, program: Option<Settings>, bytes: &[(u64, u8)], out: &mut VecDeque<Read>) {
+    pub fn up(&mut self, program: Option<Settings>, bytes: &[(u64, u8)], out: &mut VecDeque<Read>) {
         let Some((robot, program)) = self.other(program) else {
             self.up = None;
             out.extend(bytes.iter().map(|&(at_ns, byte)| Read { byte, at_ns, error: None }));
@@ -74,13 +75,7 @@ impl Cable {
     }
 
     /// Bytes that the program writes at `now_ns`, and from when on the world's cable may carry what the robot's UART reads of them.
-    pub(crate) fn down(
-        &mut self,
-        program: Option<Settings>,
-        now_ns: u64,
-        bytes: &[u8],
-        out: &mut VecDeque<Read>,
-    ) {
+    pub fn down(&mut self, program: Option<Settings>, now_ns: u64, bytes: &[u8], out: &mut VecDeque<Read>) {
         let Some((robot, program)) = self.other(program) else {
             self.down = None;
             let character_ns = self.robot.map_or(0, |robot| robot.character_ns());
@@ -106,7 +101,7 @@ impl Cable {
     }
 
     /// A break of this length from the program. A robot without a UART ignores it.
-    pub(crate) fn send_break(&mut self, now_ns: u64, length_ns: u64, out: &mut VecDeque<Read>) {
+    pub fn send_break(&mut self, now_ns: u64, length_ns: u64, out: &mut VecDeque<Read>) {
         let Some(robot) = self.robot else { return };
         let receiver = receiver(&mut self.down, robot);
         receiver.hear_break(now_ns, length_ns);
@@ -115,7 +110,7 @@ impl Cable {
     }
 
     /// Both lines are idle at `now_ns` unless something is still on its way: what the UARTs have read by that.
-    pub(crate) fn idle(&mut self, now_ns: u64, up: &mut VecDeque<Read>, down: &mut VecDeque<Read>) {
+    pub fn idle(&mut self, now_ns: u64, up: &mut VecDeque<Read>, down: &mut VecDeque<Read>) {
         if let Some(receiver) = &mut self.up {
             receiver.idle(now_ns);
             up.extend(std::iter::from_fn(|| receiver.read()));
@@ -127,7 +122,7 @@ impl Cable {
     }
 
     /// Whether a UART may read something although nothing more is sent.
-    pub(crate) fn is_listening(&self) -> bool {
+    pub fn is_listening(&self) -> bool {
         self.up.is_some() || self.down.is_some()
     }
 

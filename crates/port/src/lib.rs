@@ -29,6 +29,7 @@ mod watch;
 
 pub use address::{BadPort, PortAddress};
 pub use baudbot_access::peer::Reach;
+pub use cable::Cable as UartCable;
 pub use error::PortError;
 pub use report::Report;
 pub use robot::{News, RobotPorts};

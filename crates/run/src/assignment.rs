@@ -14,7 +14,7 @@ use wildmatch::WildMatch;
 
 #[cfg(feature = "programs")]
 use crate::programs::Held;
-use crate::programs::{BadProgram, EXEC, Program, Task};
+use crate::programs::{BadProgram, EXEC, PROGRAM, PortProgram, PortTask, Program, Task};
 use crate::suggest::UnknownName;
 
 /// The drivers of the robots of a scenario.
@@ -24,6 +24,8 @@ pub struct Assigned {
     pub brains: Vec<Assignment>,
     /// Programs of the user's own.
     pub programs: Vec<Task>,
+    /// Programs at serial ports, in simulated time.
+    pub at_ports: Vec<PortTask>,
 }
 
 /// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.
@@ -41,7 +43,10 @@ impl Assigned {
         let is_its = |robots: &[String]| robots.iter().any(|name| name == robot);
         let brain = self.brains.iter().find(|brain| is_its(&brain.robots)).map(|brain| brain.brain.clone());
         let program = || self.programs.iter().find(|task| is_its(&task.robots));
-        brain.or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
+        let at_port = || self.at_ports.iter().find(|task| task.robot == robot);
+        brain
+            .or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
+            .or_else(|| at_port().map(|task| format!("{PROGRAM}{}", task.program)))
     }
 
     /// States of robots when their brains write, unless their scenario does: of a brain of the catalogue by the
@@ -78,6 +83,10 @@ impl Assigned {
     pub fn set_parameter(&mut self, name: &str, value: &str) -> Result<(), UnknownName> {
         let mut known = Vec::new();
         let mut found = !self.programs.is_empty();
+        for task in self.at_ports.iter_mut().filter(|task| task.program.takes(name)) {
+            task.parameters.insert(name.to_owned(), value.to_owned());
+            found = true;
+        }
         for task in &mut self.programs {
             let text = || serde_json::Value::String(value.to_owned());
             let value = serde_json::from_str(value).unwrap_or_else(|_| text());
@@ -150,9 +159,19 @@ pub enum AssignmentError {
     /// The catalogue has no such brain for a robot.
     #[error(transparent)]
     Brain(#[from] CatalogueError),
-    /// The text behind `exec:` is no program.
+    /// The text behind `exec:` or `program:` is no program.
     #[error(transparent)]
     Program(#[from] BadProgram),
+    /// One program attaches to a server, and another is on the thread of its world.
+    #[error(
+        "`{at_port}` runs in simulated time, on the thread of its world, and `{attached}` attaches to a server; let both be of one kind"
+    )]
+    Mixed {
+        /// The one with ports.
+        at_port: String,
+        /// The other one.
+        attached: String,
+    },
     /// A stream to a server failed.
     #[error(transparent)]
     Client(#[from] Error),
@@ -192,10 +211,21 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
     }
     let mut assigned = Assigned::default();
     for (brain, robots) in shared {
-        match Program::of_brain(brain) {
-            None => assigned.brains.push(Assignment { brain: brain.to_owned(), robots }),
-            Some(program) => assigned.programs.push(Task::new(program?, robots)),
+        if let Some(program) = PortProgram::of_brain(brain) {
+            // Each robot has a process of its own: a program knows one set of ports.
+            let program = program?;
+            assigned.at_ports.extend(robots.into_iter().map(|robot| PortTask::new(program.clone(), robot)));
+        } else if let Some(program) = Program::of_brain(brain) {
+            assigned.programs.push(Task::new(program?, robots));
+        } else {
+            assigned.brains.push(Assignment { brain: brain.to_owned(), robots });
         }
+    }
+    if let (Some(task), Some(program)) = (assigned.at_ports.first(), assigned.programs.first()) {
+        return Err(AssignmentError::Mixed {
+            at_port: format!("{PROGRAM}{}", task.program),
+            attached: format!("{EXEC}{}", program.program),
+        });
     }
     Ok(assigned)
 }
@@ -208,7 +238,7 @@ fn understood<'a>(
     brains: &[(Option<&str>, &str)],
     is_alone: bool,
 ) -> Result<&'a str, AssignmentError> {
-    if brain == NONE || brain.starts_with(EXEC) {
+    if brain == NONE || brain.starts_with(EXEC) || brain.starts_with(PROGRAM) {
         return Ok(brain);
     }
     let is_named = brains.iter().any(|(robot, named)| robot.is_some() && *named == brain);

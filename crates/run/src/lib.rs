@@ -5,7 +5,8 @@
 //! 2. [`assignment`] says which brain drives which robot. [`in_process`] has brains of the catalogue in a driven world, and
 //!    [`AttachedBrains`] as gRPC clients like any other.
 //! 3. [`programs`] are brains that are programs of their own: started, watched, and ended with all their children.
-//! 4. [`learn`] has environments for programs that learn: worlds that are stepped a control cycle at a time.
+//! 4. [`simulation`] has programs that know nothing of us: they open serial ports, and run in simulated time.
+//! 5. [`learn`] has environments for programs that learn: worlds that are stepped a control cycle at a time.
 
 #[cfg(feature = "brains")]
 pub mod assignment;
@@ -19,6 +20,8 @@ pub mod learn;
 mod port_world;
 #[cfg(feature = "brains")]
 pub mod programs;
+#[cfg(feature = "programs")]
+pub mod simulation;
 #[cfg(feature = "brains")]
 mod suggest;
 

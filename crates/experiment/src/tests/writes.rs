@@ -71,7 +71,7 @@ fn scenario(cable: &str) -> Scenario {
 /// The writes of a brain beyond its statement; `stated` takes the place of that.
 fn exceptions(brain: &str, cable: &str, stated: Option<Writes>) -> Exceptions {
     let assignment = Assignment { brain: brain.to_owned(), robots: vec!["r".to_owned()] };
-    let assigned = Assigned { brains: vec![assignment.clone()], programs: Vec::new() };
+    let assigned = Assigned { brains: vec![assignment.clone()], ..Assigned::default() };
     let mut scenario = scenario(cable);
     if let Some(writes) = stated {
         std::sync::Arc::make_mut(&mut scenario.robots[0].model).writes = Some(writes);

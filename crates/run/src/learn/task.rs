@@ -148,6 +148,11 @@ fn assigned(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Assignment>, 
             format!("`{}` is a program, which attaches to a server (`baudbot serve`)", task.program);
         return Err(LearnError::value("brains", problem));
     }
+    if let Some(task) = assigned.at_ports.first() {
+        let problem =
+            format!("`{}` is a program in simulated time, which drives in `baudbot run` only", task.program);
+        return Err(LearnError::value("brains", problem));
+    }
     Ok(assigned.brains)
 }
 

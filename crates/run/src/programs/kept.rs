@@ -49,6 +49,24 @@ impl Kept {
         }
     }
 
+    /// The same for the thread that calls this.
+    pub(crate) fn read_here(self, mut stream: impl std::io::Read, from: From, output: Output) {
+        let (mut buffer, mut line) = (vec![0; 16 << 10], Vec::new());
+        loop {
+            match stream.read(&mut buffer) {
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+                Ok(0) | Err(_) => return,
+                Ok(n) => {
+                    self.take(&buffer[..n], &mut line, from);
+                    if output == Output::Shown {
+                        // As above.
+                        let _ = std::io::Write::write_all(&mut std::io::stderr(), &buffer[..n]);
+                    }
+                }
+            }
+        }
+    }
+
     /// `line` is the beginning of this stream's current line.
     fn take(&self, bytes: &[u8], line: &mut Vec<u8>, from: From) {
         let mut text = self.text();

@@ -24,8 +24,19 @@ pub enum BadProgram {
     #[error("`{EXEC}` names no program; write it as in {EXEC}python3 follow.py")]
     Empty,
     /// A quote is not closed.
-    #[error("`{EXEC}{0}`: a quote is not closed, or a backslash ends the text")]
+    #[error("`{0}`: a quote is not closed, or a backslash ends the text")]
     Quotes(String),
+    /// There is nothing behind `program:`, or only settings.
+    #[error("`program:` names no program; write it as in program:python3 driver.py")]
+    NoPortProgram,
+    /// A word in front of a program in simulated time is no setting.
+    #[error(
+        "`{0}` in front of a program says nothing; write a port as in /dev/ttyUSB0=robot, once, or a price as in price=5us"
+    )]
+    Setting(String),
+    /// A price is none.
+    #[error("`{0}`: a price is a number with its unit, from 1ns to 1000ms, as in price=5us")]
+    Price(String),
 }
 
 impl Program {
@@ -35,7 +46,7 @@ impl Program {
     /// # Errors
     /// If there is no word, or a quote is not closed.
     pub fn parse(text: &str) -> Result<Self, BadProgram> {
-        let words = shlex::split(text).ok_or_else(|| BadProgram::Quotes(text.to_owned()))?;
+        let words = shlex::split(text).ok_or_else(|| BadProgram::Quotes(format!("{EXEC}{text}")))?;
         if words.first().is_none_or(String::is_empty) {
             return Err(BadProgram::Empty);
         }
@@ -59,12 +70,17 @@ impl Program {
     /// The files that its words name: the program if it is a path, and its arguments. A program that is looked for along `PATH` is
     /// none of them.
     pub fn files(&self) -> Vec<PathBuf> {
-        let folder = self.folder.as_deref().unwrap_or_else(|| Path::new(""));
-        let (program, arguments) = self.words.split_at(1);
-        let program = program.iter().filter(|word| word.contains('/'));
-        let paths = program.chain(arguments).map(|word| folder.join(word));
-        paths.filter(|path| path.is_file()).collect()
+        files(&self.words, self.folder.as_deref())
     }
+}
+
+/// The files that words name, of which the first is the program.
+pub(crate) fn files(words: &[String], folder: Option<&Path>) -> Vec<PathBuf> {
+    let folder = folder.unwrap_or_else(|| Path::new(""));
+    let (program, arguments) = words.split_at(1.min(words.len()));
+    let program = program.iter().filter(|word| word.contains('/'));
+    let paths = program.chain(arguments).map(|word| folder.join(word));
+    paths.filter(|path| path.is_file()).collect()
 }
 
 impl fmt::Display for Program {
@@ -88,7 +104,7 @@ mod tests {
         assert_eq!(words("./a $HOME|b"), Ok(["./a", "$HOME|b"].map(str::to_owned).to_vec()));
         assert_eq!(words(" "), Err(BadProgram::Empty));
         assert_eq!(words("''"), Err(BadProgram::Empty));
-        assert_eq!(words("a 'b"), Err(BadProgram::Quotes("a 'b".to_owned())));
+        assert_eq!(words("a 'b"), Err(BadProgram::Quotes("exec:a 'b".to_owned())));
         let files = Program::parse("src/lib.rs -x src").unwrap().in_folder("../run".into()).files();
         assert_eq!(files, [Path::new("../run/src/lib.rs")]);
         assert_eq!(Program::of_brain("avoid"), None);
