@@ -39,17 +39,29 @@ pub(super) fn microcontroller(shell: &Shell) -> Result<(), Failure> {
     shell.run(command)
 }
 
+/// Programs of others at both ends of a cable, in simulated time.
+pub(super) fn simulated_programs(shell: &Shell) -> Result<(), Failure> {
+    let python = python_of_ports(shell)?;
+    let program = built(shell)?;
+    let sketches = sketches(shell)?;
+    let words = [program.to_string_lossy(), sketches.to_string_lossy()];
+    shell.run(script(shell, &python, &["tests/ports/simulated/try.py", &words[0], &words[1]]))
+}
+
+/// The folder of the sketches, which are built once.
+fn sketches(shell: &Shell) -> Result<PathBuf, Failure> {
+    let sketches = shell.place.target.join("sketches");
+    let words = ["tests/firmware/build.py", &sketches.to_string_lossy()];
+    shell.run(script(shell, "python3".as_ref(), &words))?;
+    Ok(sketches)
+}
+
 /// Sketches by Debian's compiler and Arduino's core, firmware of others, projects of `baudbot new firmware`, and programs of
 /// others at both ends of the cable.
 pub(super) fn firmware(shell: &Shell) -> Result<(), Failure> {
     let python = python_of_ports(shell)?;
     let program = built(shell)?;
-    let sketches = shell.place.target.join("sketches");
-    shell.run(script(
-        shell,
-        "python3".as_ref(),
-        &["tests/firmware/build.py", &sketches.to_string_lossy()],
-    ))?;
+    let sketches = sketches(shell)?;
     let mut command = of_all(shell, ["--quiet", "--test", "outside", "--", "--ignored", "sketches"]);
     command.env("BAUDBOT_SKETCHES", &sketches);
     shell.run(command)?;
