@@ -73,11 +73,12 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
         head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
     }
-    for Blocked { mover, blocked_s } in &summary.blocked {
-        let text = format!("`{mover}` was blocked for {} s by something in its way", handy(*blocked_s));
-        head.push(("warning", text));
-    }
+    head.extend(summary.blocked.iter().map(blocked));
     head
+}
+
+fn blocked(Blocked { mover, blocked_s }: &Blocked) -> (&'static str, String) {
+    ("warning", format!("`{mover}` was blocked for {} s by something in its way", handy(*blocked_s)))
 }
 
 /// What a program in simulated time has come to, and what computing cost it.

@@ -146,21 +146,7 @@ impl Plan {
         scenarios::warn(&source, &scenario);
         let mut assigned = assigned(args, &scenario, &source.shown_brains())?;
         assignment::set_parameters(&mut assigned, &args.parameters)?;
-        if over == Over::Grpc
-            && let Some(task) = assigned.at_ports.first()
-        {
-            return Err(Refused::error(format!(
-                "{PROGRAM}{}: a program in simulated time is on the thread of its world, and what needs a server is not: other                  programs (exec:), viewers, real time; leave out one of the two",
-                task.program
-            )));
-        }
-        if args.show_output {
-            if assigned.programs.is_empty() && assigned.at_ports.is_empty() {
-                return Err(Refused::error("--show-output: no brain is a program (--brain 'exec:…')"));
-            }
-            assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
-            assigned.at_ports.iter_mut().for_each(|task| task.output = Output::Shown);
-        }
+        suit_programs(args, over, &mut assigned)?;
         assignment::state_writes(&assigned, &mut scenario)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
@@ -205,6 +191,26 @@ impl Plan {
         let after = self.scenario.end.after?;
         Some(after.as_ns().div_ceil(self.scenario.step_ns).max(1))
     }
+}
+
+/// Whether programs can be on this path, and where their output goes.
+fn suit_programs(args: &RunArgs, over: Over, assigned: &mut Assigned) -> anyhow::Result<()> {
+    if over == Over::Grpc
+        && let Some(task) = assigned.at_ports.first()
+    {
+        return Err(Refused::error(format!(
+            "{PROGRAM}{}: a program in simulated time is on the thread of its world, and what needs a server is not: other                  programs (exec:), viewers, real time; leave out one of the two",
+            task.program
+        )));
+    }
+    if args.show_output {
+        if assigned.programs.is_empty() && assigned.at_ports.is_empty() {
+            return Err(Refused::error("--show-output: no brain is a program (--brain 'exec:…')"));
+        }
+        assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
+        assigned.at_ports.iter_mut().for_each(|task| task.output = Output::Shown);
+    }
+    Ok(())
 }
 
 /// The assignment of the robots; with `--external` those that no brain is named for are left to others.

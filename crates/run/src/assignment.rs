@@ -209,18 +209,28 @@ pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, Assig
             shared.entry(brain).or_default().push(spec.name.clone());
         }
     }
-    let mut assigned = Assigned::default();
-    for (brain, robots) in shared {
-        if let Some(program) = PortProgram::of_brain(brain) {
-            // Each robot has a process of its own: a program knows one set of ports.
-            let program = program?;
-            assigned.at_ports.extend(robots.into_iter().map(|robot| PortTask::new(program.clone(), robot)));
-        } else if let Some(program) = Program::of_brain(brain) {
-            assigned.programs.push(Task::new(program?, robots));
-        } else {
-            assigned.brains.push(Assignment { brain: brain.to_owned(), robots });
-        }
+    shared.into_iter().try_fold(Assigned::default(), with_brain).and_then(of_one_kind)
+}
+
+/// The assignment with a brain for these robots besides.
+fn with_brain(
+    mut assigned: Assigned,
+    (brain, robots): (&str, Vec<String>),
+) -> Result<Assigned, AssignmentError> {
+    if let Some(program) = PortProgram::of_brain(brain) {
+        // Each robot has a process of its own: a program knows one set of ports.
+        let program = program?;
+        assigned.at_ports.extend(robots.into_iter().map(|robot| PortTask::new(program.clone(), robot)));
+    } else if let Some(program) = Program::of_brain(brain) {
+        assigned.programs.push(Task::new(program?, robots));
+    } else {
+        assigned.brains.push(Assignment { brain: brain.to_owned(), robots });
     }
+    Ok(assigned)
+}
+
+/// Programs all attach to a server, or are all on the thread of their world.
+fn of_one_kind(assigned: Assigned) -> Result<Assigned, AssignmentError> {
     if let (Some(task), Some(program)) = (assigned.at_ports.first(), assigned.programs.first()) {
         return Err(AssignmentError::Mixed {
             at_port: format!("{PROGRAM}{}", task.program),

@@ -60,6 +60,7 @@ pub mod mover;
 mod open_interface;
 mod optional;
 mod parallel;
+mod port_use;
 pub mod processor;
 pub mod random;
 pub mod raycast;

@@ -7,7 +7,6 @@ use core::ops::Deref;
 
 pub use baudbot_fields::{Frequency, NoWrites, Writes};
 use baudbot_geometry::{Point, Pose};
-use serde::{Deserialize, Serialize};
 
 use crate::actuator::Actuator;
 use crate::arena::Look;
@@ -18,6 +17,7 @@ use crate::fault::{Fault, FaultEffect, FaultKind, When};
 use crate::firmware::Firmware;
 use crate::link::Link;
 use crate::movable::Form;
+pub use crate::port_use::PortUse;
 use crate::processor::Processor;
 use crate::sensor::Sensors;
 use crate::time::SimTime;
@@ -36,20 +36,6 @@ pub struct RobotSpec {
     /// Who reads its laptop's serial ports ([`Intervention::OpenPort`](crate::Intervention::OpenPort)). Scenarios begin with
     /// [`PortUse::Closed`].
     pub port_use: PortUse,
-}
-
-/// Who reads the laptop's serial ports at a robot's cables.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PortUse {
-    /// A brain, which steps once a tick.
-    #[default]
-    Closed,
-    /// A program that follows the clock, and reads each byte at its own instant. What comes during a tick can be known when it
-    /// begins, so the brain's step is at the end of each tick.
-    Open,
-    /// A program in simulated time: it acts whenever a byte has come and writes at that instant, within the tick
-    /// ([`World::hear`](crate::World::hear), [`World::write_within`](crate::World::write_within)). There are no steps.
-    Simulated,
 }
 
 /// A robot is what its model is, so that `robot.link` is `robot.model.link`.

@@ -164,12 +164,7 @@ impl Member {
         world.change(&Intervention::OpenPort { robot: spec.name.clone(), port_use: PortUse::Simulated })?;
         let lines = cables.iter().map(|(_, cable)| PortLine::new(world.world(), robot, *cable)).collect();
         let (kept, mut readers) = (Kept::default(), Vec::new());
-        let mut output = |from| -> Result<Output, std::io::Error> {
-            let (read, write) = pipe()?;
-            let (kept, output) = (kept.clone(), task.output);
-            readers.push(std::thread::spawn(move || kept.read_here(read, from, output)));
-            Ok(Output::Given(OwnedFd::from(write).into()))
-        };
+        let mut output = |from| kept_output(&kept, &mut readers, (from, task.output));
         let program = Program {
             words: task.words(&spec, seed).into_iter().map(Into::into).collect(),
             folder: task.program.folder.clone(),
@@ -276,6 +271,18 @@ impl Member {
             unseen_lines: if self.output == programs::Output::Kept { self.kept.printed() } else { 0 },
         }
     }
+}
+
+/// A pipe for what a program prints, which a thread reads.
+fn kept_output(
+    kept: &Kept,
+    readers: &mut Vec<JoinHandle<()>>,
+    (from, output): (From, programs::Output),
+) -> std::io::Result<Output> {
+    let (read, write) = pipe()?;
+    let kept = kept.clone();
+    readers.push(std::thread::spawn(move || kept.read_here(read, from, output)));
+    Ok(Output::Given(OwnedFd::from(write).into()))
 }
 
 impl std::error::Error for SimulationError {}

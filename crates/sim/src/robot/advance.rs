@@ -50,25 +50,35 @@ impl Robot {
         let (now, end) = (tick.start, tick.end);
         self.laptop.truth.begin_tick();
         self.note_faults(spec, now, end);
-        let mut earliest = self.laptop.busy_until.max(now);
+        let earliest = self.laptop.busy_until.max(now);
         if ended {
             self.advance(spec, tick, now + 1, None);
             return None;
         }
         match spec.port_use {
-            PortUse::Closed => {}
+            PortUse::Closed => self.listen_for_brain(spec, tick, earliest),
             PortUse::Open => {
                 // A port reads on until the tick is over, whatever comes; brains' thinking and stalls are none of its.
                 self.advance(spec, tick, end, None);
                 self.counters.turns += 1;
-                return Some(end);
+                Some(end)
             }
             PortUse::Simulated => {
                 self.forget_arrived();
                 self.advance(spec, tick, now + 1, None);
-                return None;
+                None
             }
         }
+    }
+
+    /// The brain's step is not before `earliest`.
+    fn listen_for_brain(
+        &mut self,
+        spec: &RobotSpec,
+        tick: &Tick<'_>,
+        mut earliest: SimTime,
+    ) -> Option<SimTime> {
+        let (now, end) = (tick.start, tick.end);
         // The brain steps when a message has come, in the first stretch of time in which it does not stall.
         let step = loop {
             earliest = spec.awake_from(earliest, end);

@@ -9,7 +9,7 @@ use baudbot_wire::{line_image, nmea, port, scip};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message};
-use crate::model::PortUse;
+use crate::port_use::PortUse;
 use crate::sensor::dialogue::{self, Dialogue};
 use crate::sensor::sky::{Dilution, SKY};
 use crate::sensor::{Device, Sensor};

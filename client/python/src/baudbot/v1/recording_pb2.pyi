@@ -265,19 +265,25 @@ class RecordedPort(_message.Message):
 
     ROBOT_FIELD_NUMBER: _builtins.int
     OPEN_FIELD_NUMBER: _builtins.int
+    SIMULATED_TIME_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Name of the robot."""
     open: _builtins.bool
     """True at the start, false at the end."""
+    simulated_time: _builtins.bool
+    """True if the program runs in simulated time: its bytes enter the cable within the tick, each at its own instant, and the robot
+    has no steps.
+    """
     def __init__(
         self,
         *,
         robot: _builtins.str = ...,
         open: _builtins.bool = ...,
+        simulated_time: _builtins.bool = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["open", b"open", "robot", b"robot"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["open", b"open", "robot", b"robot", "simulated_time", b"simulated_time"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
