@@ -153,15 +153,15 @@ values = [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200]
         tables = []
         for turn in range(2):
             begun = time.monotonic()
-            out = folder / f"{turn}.csv"
+            out = folder / str(turn)
             done = subprocess.run(
-                [baudbot, "sweep", str(folder / "rates.toml"), "--runs", str(out), "--quiet"], capture_output=True, text=True
+                [baudbot, "sweep", str(folder / "rates.toml"), "--out", str(out), "--quiet"], capture_output=True, text=True
             )
             if done.returncode != 0:
                 sys.exit(f"the sweep ended with {done.returncode}:\n{done.stdout}{done.stderr}")
             print(f"a sweep of 160 runs: {time.monotonic() - begun:.1f} s", flush=True)
-            tables.append(out.read_bytes())
-        if tables[0] != tables[1]:
+            tables.append({path.name: path.read_bytes() for path in out.glob("*.csv")})
+        if not tables[0] or tables[0] != tables[1]:
             sys.exit("two sweeps have two tables")
 
 
