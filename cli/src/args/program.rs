@@ -13,7 +13,7 @@ pub(crate) struct ProgramArgs {
     robot: Option<String>,
     /// Path at which the program opens a cable: `robot` is that of the robot, others have the names of its sensors [default:
     /// /dev/ttyUSB0=robot, and /dev/ttyUSB1 and so on for sensors with cables of their own]
-    #[arg(long = "port", value_name = "/dev/NAME=CABLE")]
+    #[arg(long = "port", value_name = "/dev/NAME=CABLE", value_parser = port)]
     ports: Vec<String>,
     /// Simulated time that each call costs that does not wait, such as 5us [default: computing takes no time]
     ///
@@ -26,6 +26,16 @@ pub(crate) struct ProgramArgs {
     /// The program and its arguments; {baud}, {seed} and {robot} stand for those of the run
     #[arg(last = true, required = true, value_name = "PROGRAM")]
     words: Vec<String>,
+}
+
+fn port(text: &str) -> Result<String, &'static str> {
+    let is_one =
+        text.split_once('=').is_some_and(|(path, cable)| path.starts_with("/dev/") && !cable.is_empty());
+    if is_one {
+        Ok(text.to_owned())
+    } else {
+        Err("write a path below /dev and a cable, as in /dev/ttyUSB0=robot")
+    }
 }
 
 impl ProgramArgs {

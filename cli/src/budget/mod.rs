@@ -67,7 +67,8 @@ fn assigned(args: &BudgetArgs, source: &Source, scenario: &mut Scenario) -> anyh
     let mut assigned = assignment::assign(&brains, &scenario.robots, &source.shown_brains())?;
     if let Some(task) = assigned.at_ports.first() {
         return Err(Refused::error(format!(
-            "--brain {PROGRAM}{}: nobody knows when a program of somebody else's writes before it runs, so it has no budget; a run              measures it (baudbot run), or say how it writes with --writes and name no brain",
+            "--brain {PROGRAM}{}: nobody knows when a program of somebody else's writes before it runs, so it has no budget; a run \
+             measures it (baudbot run), or say how it writes with --writes and name no brain",
             task.program
         )));
     }

@@ -6,7 +6,7 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Client, Looks};
 use baudbot_proto::v1;
 use baudbot_run::in_process::{AnyBrain, drivers};
-use baudbot_run::simulation::{self, Simulation, TickError};
+use baudbot_run::simulation::{self, Simulation, SimulationProblem, TickError};
 use baudbot_run::{DrivenWorld, LockstepWorld, Refusal};
 use baudbot_server::{DirectWorld, OnTick};
 use indicatif::ProgressBar;
@@ -64,7 +64,14 @@ impl Running<'_> {
             self.driven.world.attach(&task.program.to_string(), &place.into_iter().collect::<Vec<_>>());
         }
         if !tasks.is_empty() {
-            self.programs = Some(Simulation::start(&mut self.driven.world, tasks, self.plan.seed)?);
+            let started = Simulation::start(&mut self.driven.world, tasks, self.plan.seed);
+            self.programs = Some(started.map_err(|error| match *error.problem {
+                SimulationProblem::Port(_) => Refused::error(error.to_string()),
+                SimulationProblem::Open(_)
+                | SimulationProblem::Pipe(_)
+                | SimulationProblem::Program(_)
+                | SimulationProblem::Failed { .. } => error.into(),
+            })?);
         }
         Ok(())
     }

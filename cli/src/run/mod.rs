@@ -199,7 +199,8 @@ fn suit_programs(args: &RunArgs, over: Over, assigned: &mut Assigned) -> anyhow:
         && let Some(task) = assigned.at_ports.first()
     {
         return Err(Refused::error(format!(
-            "{PROGRAM}{}: a program in simulated time is on the thread of its world, and what needs a server is not: other                  programs (exec:), viewers, real time; leave out one of the two",
+            "{PROGRAM}{}: a program in simulated time is on the thread of its world, and what needs a server is not: other \
+             programs (exec:), viewers, real time; leave out one of the two",
             task.program
         )));
     }

@@ -32,6 +32,8 @@ mod recordings;
 mod refusals;
 mod runs;
 mod shards;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod simulated;
 mod sweep;
 mod terminal;
 mod timelines;

@@ -22,6 +22,7 @@ use crate::endpoint::Mode;
 use crate::limits::{InForce, Limits};
 use crate::log::event;
 use crate::recording::Input;
+use crate::report::Report;
 
 /// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains
 /// step in between. Robots that no brain was given keep still.
@@ -85,7 +86,10 @@ impl DirectWorld {
     pub async fn close(mut self) -> Result<v1::WorldStatus, Status> {
         self.actor.pacer.running.set(false, clock::now());
         if !self.actor.recording.is_on() {
-            return Ok(convert::status(&self.actor.report(0)));
+            // The state is that of a recording's end: its sensors have been read, also if the run was ended between two ticks.
+            let mut last = self.actor.world.clone();
+            last.begin();
+            return Ok(convert::status(&Report { world: last, ..self.actor.report(0) }));
         }
         let (closed, file) = oneshot::channel();
         let mut report = self.actor.stop_recording(closed)?;
