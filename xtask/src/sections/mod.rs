@@ -136,7 +136,6 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "manual-commands", protects: "the commands of tutorials and how-tos; generated pages of the manual", needs: &[Python, AVR_GCC, AVR_LIBC, ARDUINO_CORE, MAKE, CHROMIUM], check: |shell, _| python::manual_commands(shell), ..PLAIN },
     Section { name: "brains-in-python", protects: "the client's types, stubs and examples", needs: &[Python], check: |shell, _| python::brains(shell), ..PLAIN },
     Section { name: "worlds-in-python", protects: "the Python package: types, ABI, environments, notebooks", needs: &[Python], check: |shell, _| python::worlds(shell), ..PLAIN },
-    Section { name: "exercises", protects: "each exercise's solution, and the word for each mistake", needs: &[Python], check: |shell, _| python::exercises(shell), ..PLAIN },
     Section { name: "recordings", protects: "recordings, by the readers of MCAP and ROS", needs: &[Python], check: |shell, _| python::recordings(shell), ..PLAIN },
     Section { name: "traces", protects: "traces, by Perfetto's own schema", needs: &[Python], check: |shell, _| python::traces(shell), ..PLAIN },
     Section { name: "shards", protects: "a sweep in shards, by Kubernetes' schemas", needs: &[Python], check: |shell, _| python::shards(shell), ..PLAIN },
@@ -152,6 +151,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "languages", protects: "brains in C++, Go, Java, Ruby and for Node: built, tested, on that path, and true to the contract", needs: LANGUAGES, check: |shell, _| projects::languages(shell), ..PLAIN },
 
     Section { name: "longest-tests", rung: Rung::Release, protects: "the tests that take longest, of whole drives and of budgets", check: |shell, _| rust::longest_tests(shell), ..PLAIN },
+    Section { name: "exercises", rung: Rung::Release, protects: "each exercise's solution, and the word for each mistake", needs: &[Python], check: |shell, _| python::exercises(shell), ..PLAIN },
     Section { name: "documentation", rung: Rung::Release, protects: "the crates' documentation", check: |shell, _| rust::documentation(shell), ..PLAIN },
     Section { name: "program", rung: Rung::Release, protects: "the program as README builds it: its first run, and what it says without features", check: |shell, _| rust::program(shell), ..PLAIN },
     Section { name: "instructions", rung: Rung::Release, protects: "what workloads cost, in instructions", needs: &[Program("valgrind", "valgrind")], check: |shell, _| rust::instructions(shell), ..PLAIN },
