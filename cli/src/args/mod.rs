@@ -206,7 +206,8 @@ pub(crate) struct RunArgs {
     ///
     /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which attaches to the
     /// server, world and robot given by the environment variables BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT. `program:PROGRAM
-    /// ARGUMENTS…` opens serial ports instead, in simulated time (`baudbot help program`). ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
+    /// ARGUMENTS…` opens serial ports instead, in simulated time (`baudbot help program`). ROBOT may be a pattern such as
+    /// 'cell-*'. By default every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// Set a parameter of all brains that have it; programs get it in the environment variable BAUDBOT_PARAMETERS

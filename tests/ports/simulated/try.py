@@ -88,9 +88,9 @@ def square(robot, python):
         words = [python, str(HERE / "square.py"), "500", PORT]
         _, summary = robot.drive("pycreate2", PORTS / "create.toml", words, "--seconds", "60", "--csv", str(table))
         path = [row for row in csv.DictReader(io.StringIO(table.read_text())) if row]
-    x = [float(row["create.x_m" if "create.x_m" in row else "x_m"]) for row in path]
-    y = [float(row["create.y_m" if "create.y_m" in row else "y_m"]) for row in path]
-    for extent in (max(x) - min(x), max(y) - min(y)):
+    for axis in ("x_m", "y_m"):
+        along = [float(row[axis]) for row in path]
+        extent = max(along) - min(along)
         if abs(extent - 0.5) > 0.01 + 0.5 * 0.02:
             sys.exit(f"pycreate2: the square is {extent:.3f} m wide, not 0.5")
     if summary["ending"] != "its program has ended":

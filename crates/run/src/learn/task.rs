@@ -149,8 +149,10 @@ fn assigned(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Assignment>, 
         return Err(LearnError::value("brains", problem));
     }
     if let Some(task) = assigned.at_ports.first() {
-        let problem =
-            format!("`{}` is a program in simulated time, which drives in `baudbot run` only", task.program);
+        let problem = format!(
+            "`{}` is a program in simulated time, which an environment has no place for; leave its robot out, or use `baudbot run`",
+            task.program
+        );
         return Err(LearnError::value("brains", problem));
     }
     Ok(assigned.brains)

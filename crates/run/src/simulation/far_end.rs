@@ -15,7 +15,7 @@ use crate::port_world::PortWorld;
 pub(super) struct PortLine {
     cable: Cable,
     uart: UartCable,
-    /// The settings of the program's UART, while it has the port open.
+    /// The settings of the program's UART, from when it first opens the port until it ends.
     settings: Option<Settings>,
     /// Bytes for the program, with the instants at which it gets them.
     up: VecDeque<Read>,
@@ -40,6 +40,12 @@ impl PortLine {
         let (up, down, outputs) = (VecDeque::new(), VecDeque::new(), ModemOutputs::default());
         let uart = UartCable::new(settings);
         Self { cable, uart, settings: None, up, down, outputs, break_since_ns: None }
+    }
+
+    /// The program has ended: nobody reads any more, and what it wrote still goes out.
+    pub(super) fn abandon(&mut self) {
+        self.settings = None;
+        self.up.clear();
     }
 
     /// The instant at which something happens next of what is on its way already.
@@ -93,7 +99,7 @@ impl<W: PortWorld> FarEnd<'_, W> {
         let mut bytes = Vec::new();
         self.world.take_arrived(self.robot, line.cable, &mut bytes);
         if line.settings.is_none() {
-            // A port that no program has open loses what comes.
+            // Nobody has this port; while the program has closed it, its terminal loses what comes.
             return;
         }
         let bytes: Vec<_> = bytes.into_iter().map(|byte| (self.now_ns, byte)).collect();

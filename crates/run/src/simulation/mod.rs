@@ -228,6 +228,7 @@ impl Member {
             Ok(State::Ended(end)) => {
                 let at = SimTime::from_ns(now_ns);
                 self.end = Some((at, end));
+                self.lines.iter_mut().for_each(PortLine::abandon);
                 // All that had its pipes is dead, so its last lines are there.
                 self.readers.drain(..).for_each(|reader| drop(reader.join()));
                 if end != End::Exit(0) {
