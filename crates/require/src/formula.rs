@@ -23,6 +23,10 @@ impl<Q> Formula<Q> {
     pub fn robustness(&self, mut value: impl FnMut(&Q) -> f64) -> f64 {
         self.0.margin(&mut value).robustness
     }
+
+    pub(crate) fn margin(&self, value: &mut impl FnMut(&Q) -> f64) -> Margin {
+        self.0.margin(value)
+    }
 }
 
 impl<Q> Display for Formula<Q> {
