@@ -45,6 +45,18 @@ impl Segment {
         (to - self.nearest_point(to)).norm_squared()
     }
 
+    /// The distance, in metres, between the nearest points of the two; 0 if they [touch](Self::touches).
+    #[must_use]
+    pub fn gap(&self, other: &Self) -> f64 {
+        if self.touches(other) {
+            return 0.0;
+        }
+        // Of two segments apart, an end of one is nearest to the other.
+        let ends = [self.distance_squared(other.start), self.distance_squared(other.end)];
+        let others = [other.distance_squared(self.start), other.distance_squared(self.end)];
+        math::sqrt(ends.into_iter().chain(others).fold(f64::INFINITY, f64::min))
+    }
+
     /// The x between which the segment lies where its y is within a range, or of its end next to the range.
     #[must_use]
     pub fn x_range(&self, bottom: f64, top: f64) -> (f64, f64) {

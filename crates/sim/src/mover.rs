@@ -90,7 +90,7 @@ pub(crate) struct MoverState {
     waits_until: SimTime,
     /// Time that something was in its way, in nanoseconds.
     pub(crate) blocked_ns: u64,
-    stream: Stream,
+    pub(crate) stream: Stream,
 }
 
 /// The obstacles of a thing that moves by itself.

@@ -58,6 +58,11 @@ impl Stream {
         Place { key: seed ^ bytes.fold(FNV_OFFSET, fnv1a_step), drawn: 0 }.into()
     }
 
+    /// Goes on with other numbers, which follow from this seed and from what it was.
+    pub(crate) fn reseed(&mut self, seed: u64) {
+        *self = Place { key: spread(spread(seed) ^ self.place.key), drawn: 0 }.into();
+    }
+
     /// The key that distinguishes this stream from all others of its kind.
     pub fn key(&self) -> u64 {
         self.place.key

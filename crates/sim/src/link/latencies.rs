@@ -8,7 +8,7 @@ use crate::random::Stream;
 /// The chance of one direction of an adapter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Latencies {
-    chance: Stream,
+    pub(super) chance: Stream,
     /// The latency of the next packet, in nanoseconds: drawn ahead, so that its arrival can be known.
     pub(super) next_ns: u64,
 }

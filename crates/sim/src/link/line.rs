@@ -78,6 +78,13 @@ impl Line {
         }
     }
 
+    /// Visits its streams of random numbers.
+    pub(crate) fn each_stream(&mut self, visit: &mut impl FnMut(&mut Stream)) {
+        visit(&mut self.errors);
+        let latencies = self.transport_path.iter_mut().filter_map(|path| path.latencies.as_mut());
+        latencies.for_each(|latencies| visit(&mut latencies.chance));
+    }
+
     /// Keeps the last so many bytes that are taken at its end, from now on.
     pub(crate) fn keep_tape(&mut self, bytes: usize) {
         self.tape = (bytes > 0).then(|| Box::new(Tape::with_room(bytes)));

@@ -33,7 +33,7 @@ pub(super) struct TransportPath {
     packet_at: SimTime,
     /// Up: its bytes that are still to be taken; down: those that it still has room for.
     packet_left: u32,
-    latencies: Option<Latencies>,
+    pub(super) latencies: Option<Latencies>,
     /// Half duplex: the other direction has the wire until then.
     pub(super) blocked_until: SimTime,
     /// Half duplex, down: bytes that ask for the wire, each since when.

@@ -20,9 +20,9 @@ use crate::values::ReadingValues;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Channel {
     pub(super) due: Due,
-    pub(super) memory: Memory,
+    pub(crate) memory: Memory,
     pub(super) noise: NoiseState,
-    pub(super) stream: Stream,
+    pub(crate) stream: Stream,
     /// If the device measures at its own pace. Seldom there, so it takes no room among what is looked at all the time.
     pub(super) running: Option<Box<Running>>,
     /// The last sample, one value a component; empty before the first.

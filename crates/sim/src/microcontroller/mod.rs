@@ -372,6 +372,10 @@ impl Microcontroller {
         &self.channels
     }
 
+    pub(crate) fn channels_mut(&mut self) -> &mut [Channel] {
+        &mut self.channels
+    }
+
     /// Frames that fell due while the processor was busy and were left out.
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed

@@ -20,7 +20,7 @@ pub struct MotorNoise {
 /// The factors of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoiseState {
-    stream: Stream,
+    pub(crate) stream: Stream,
     specimen: Wheels,
     /// Of this tick, the specimen's included.
     factor: Wheels,

@@ -113,6 +113,13 @@ impl Parts {
 }
 
 impl Wander {
+    /// Visits its streams of random numbers.
+    pub(super) fn each_stream(&mut self, visit: &mut impl FnMut(&mut Stream)) {
+        if let (_, Some(altitude)) = self.parts.both() {
+            visit(&mut altitude.stream);
+        }
+    }
+
     pub(super) fn is_sound(&self) -> bool {
         let short = self.parts.short().into_iter().flatten();
         let numbers = self.error_m.into_iter().chain(self.position_deg).chain(short);

@@ -240,6 +240,21 @@ pub(crate) enum Memory {
 }
 
 impl Memory {
+    /// Visits its streams of random numbers.
+    pub(crate) fn each_stream(&mut self, visit: &mut impl FnMut(&mut Stream)) {
+        match self {
+            Self::Gps(wander) => wander.each_stream(visit),
+            Self::None(())
+            | Self::Odometer(_)
+            | Self::Encoders(_)
+            | Self::Filter(_)
+            | Self::Accelerometer(_)
+            | Self::Touch(_)
+            | Self::OpticalFlow(_)
+            | Self::StrainGauge(_) => {}
+        }
+    }
+
     /// Whether a device can remember this that remembered `first` before its first read.
     pub(crate) fn is_sound(&self, first: &Self) -> bool {
         let is_kind = core::mem::discriminant(self) == core::mem::discriminant(first);

@@ -9,6 +9,7 @@ mod lookahead;
 mod motion;
 mod ports;
 mod probe;
+mod reseed;
 mod saved;
 mod score;
 mod spare;
@@ -395,6 +396,5 @@ impl World {
     }
 }
 
-/// The number of robots from which on several threads move them, if there are any: the work of a tick is then well
-/// above what it costs to call them.
+/// The number of robots from which on several threads move them: the work of a tick is then well above what it costs to call them.
 const CROWD: usize = 256;
