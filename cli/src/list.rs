@@ -54,7 +54,7 @@ fn sections() -> [Section; 5] {
         ("scenarios", "baudbot run NAME", embedded::scenarios().map(scenario).collect()),
         (
             "experiments",
-            "baudbot sweep NAME, those that begin with `tune-` baudbot tune NAME",
+            "baudbot sweep NAME, those that begin with `tune-` or `worst-` baudbot tune NAME or worst NAME",
             embedded::experiments().map(told).collect(),
         ),
         ("exercises", "baudbot grade NAME", embedded::exercises().map(told).collect()),
@@ -95,10 +95,9 @@ pub(crate) fn init(args: &InitArgs) -> anyhow::Result<()> {
         write(path, bytes)?;
     }
     write(&file, text.as_bytes())?;
-    let command = match (embedded::experiment(name).is_some(), last.starts_with("tune-")) {
-        (true, true) => "tune",
-        (true, false) => "sweep",
-        (false, _) => "run",
+    let command = match embedded::experiment(name) {
+        Some(_) => ["tune", "worst"].into_iter().find(|&first| last.starts_with(first)).unwrap_or("sweep"),
+        None => "run",
     };
     let shown = file.display().to_string();
     let argument = shlex::try_quote(&shown).context("no shell takes the name of the file")?;

@@ -3,9 +3,9 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is why a command fails, in one line, and `failure` how it ends then.
-//! 2. `run`, `sweep`, `tune`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
+//! 2. `run`, `sweep`, `tune`, `worst`, `grade`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
 //!    `preset`, `evidence`, `fit`, `export`, `export_brain`, `watch`, `new`, `token`, `state`, `cert`, `list` and `pages` are the commands, one a file or folder; `work` is
-//!    what `sweep`, `tune` and `grade` share, and `class` grades many brains.
+//!    what `sweep`, `tune`, `worst` and `grade` share, and `class` grades many brains.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `state` finds the worlds that a server has left, which `kept` checks, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -83,6 +83,7 @@ mod vcd;
 mod viewer;
 mod watch;
 mod work;
+mod worst;
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -131,6 +132,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Program(args) => return runtime.block_on(run::run(&args.into_run())),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
+        Command::Worst(args) => return runtime.block_on(worst::worst(args)),
         Command::Tune(args) => return runtime.block_on(tune::tune(args)),
         Command::Grade(args) => return runtime.block_on(grade::grade(args)),
         Command::Conform(args) => return runtime.block_on(conform::conform(&args)),

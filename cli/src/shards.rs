@@ -30,7 +30,7 @@ pub(crate) fn folder(args: &SweepArgs, experiment: &Experiment, shard: Shard) ->
     args.work.out.clone().unwrap_or_else(|| default_folder(experiment, shard))
 }
 
-fn default_folder(experiment: &Experiment, shard: Shard) -> PathBuf {
+pub(crate) fn default_folder(experiment: &Experiment, shard: Shard) -> PathBuf {
     work::default_out(experiment, "shards").join(shard.folder())
 }
 

@@ -205,7 +205,7 @@ fn run_of(toml: &str, sets: &[&str], brains: &[(&str, &str)]) -> World {
         robots: vec![robot.to_owned()],
     };
     let assignments: Vec<_> = brains.iter().map(of).collect();
-    baudbot_run::in_process::run(scenario(toml, sets), &assignments).unwrap()
+    baudbot_run::in_process::run(scenario(toml, sets), &assignments, |_| {}).unwrap()
 }
 
 const MOTH: &str = include_str!("../../catalogue/scenarios/moth.toml");

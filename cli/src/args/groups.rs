@@ -15,7 +15,7 @@ use crate::text::tell;
 
 /// The intentions of users, with the commands for each. `help` is clap's own.
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Run", &["run", "program", "grade", "diagram", "sweep", "tune", "replay", "export"]),
+    ("Run", &["run", "program", "grade", "diagram", "sweep", "tune", "worst", "replay", "export"]),
     ("Serve and connect", &["serve", "brain", "conform", "watch", "port", "token", "state", "cert"]),
     ("Examine a scenario", &["check", "budget", "plan", "locate", "umbmark"]),
     ("Real robots", &["preset", "evidence", "measure", "fit", "export-brain"]),

@@ -56,6 +56,18 @@ folder DIR gets rows.jsonl (one line per run), and at the end candidates.csv, tr
 is described in TOML, best.toml, for --brain. If a tuning run was stopped, the same command resumes it; a finished one
 continues if the file asks for more generations.";
 
+pub(super) const WORST_EXAMPLES: &str = "\
+Examples:
+  baudbot worst worst-wander                    1000 runs, the ten worst, and the plainest scenario that still fails
+  baudbot worst my.toml --within 5m             as many runs as five minutes allow
+  baudbot worst my.toml --runs 4000 --first     at most 4000, and none after the first that fails; exit code 1 if one does
+
+The experiment file may have a table [require], which states what must hold; without it, the robot must not run into anything. Each
+of its fields has a range or values, of which the search looks for those in which the robot fails. The folder DIR gets rows.jsonl (one
+line per run), summary.txt, and of the worst run worst.toml (a scenario), worst.mcap (its recording) and worst.svg (its timing at the
+instant that decides). Exit code: 0 if all runs keep to what is required, 1 if one does not. If it was stopped, the same command resumes
+it, and continues with a larger --runs.";
+
 pub(super) const SERVE_EXAMPLES: &str = "\
 Examples:
   baudbot serve                                  wander at 127.0.0.1:7400, in real time

@@ -36,6 +36,7 @@ mod work;
 
 use std::path::PathBuf;
 
+use baudbot_experiment::Demand;
 use baudbot_port::PortAddress;
 use baudbot_server::Address;
 use clap::{Args, Parser, Subcommand};
@@ -57,7 +58,7 @@ pub(crate) use self::groups::{command, parsed};
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SERVED_PACE_HELP, SWEEP_EXAMPLES,
-    TUNE_EXAMPLES, WATCH_EXAMPLES,
+    TUNE_EXAMPLES, WATCH_EXAMPLES, WORST_EXAMPLES,
 };
 pub(crate) use self::list::{CompletionsArgs, InitArgs, ListArgs, ManArgs};
 pub(crate) use self::locate::{LocateArgs, Search};
@@ -76,7 +77,7 @@ pub(crate) use self::state::{CheckStateArgs, RecoverArgs, StateCommand};
 pub(crate) use self::token::{ListTokensArgs, NewTokenArgs, RevokeTokenArgs, TokenCommand, TokenFileArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
 use self::value::{finite, instant, patience, span, whole};
-pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
+pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs, WorstArgs};
 use crate::logs::{LogFilter, LogFormat};
 
 /// A simulation server for mobile robots whose controllers (brains) run as separate programs.
@@ -113,6 +114,9 @@ pub(crate) enum Command {
     /// Searches for the parameters of a brain or a scenario that maximize the score of an experiment
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
+    /// Searches an experiment for the run in which the robot fails, or comes nearest to it
+    #[command(after_long_help = WORST_EXAMPLES)]
+    Worst(WorstArgs),
     /// Grades a brain on an exercise, with points and advice; without one, lists the exercises
     #[command(after_long_help = grade::EXAMPLES)]
     Grade(GradeArgs),
@@ -229,6 +233,13 @@ pub(crate) struct RunArgs {
     /// End after this many ticks
     #[arg(long, value_name = "N", value_parser = whole(1_u64..=u64::MAX))]
     pub(crate) ticks: Option<u64>,
+    /// Something that must hold of the run, such as 'always clearance_m > 0.05'; exit code 1 if it does not
+    ///
+    /// RULE is always FORMULA, never FORMULA, eventually FORMULA [within S s], or whenever FORMULA then FORMULA within S s; at its end
+    /// may stand `, from S s on` and `(of ROBOT)`. The quantities are those of [require] in an experiment
+    /// (docs/reference/experiments.md).
+    #[arg(long = "require", value_name = "RULE")]
+    pub(crate) requirements: Vec<Demand>,
     /// Write the state at every tick as a CSV table; `-` is stdout, and the summary then goes to stderr
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,

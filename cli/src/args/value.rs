@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use crate::escapes::EscapeError;
 
@@ -116,6 +117,18 @@ pub(super) fn instant(text: &str) -> Result<f64, ValueError> {
 /// The time for which somebody waits.
 pub(super) fn patience(text: &str) -> Result<f64, ValueError> {
     Bounds::Above0AtMost(MOST_S).parsed(text)
+}
+
+/// A time by the wall clock: a number of seconds, or with `s`, `m` or `h`.
+pub(super) fn wall_time(text: &str) -> Result<Duration, ValueError> {
+    let text = text.trim();
+    let (number, unit_s) = match text.strip_suffix(['s', 'm', 'h']) {
+        Some(number) if text.ends_with('m') => (number, 60.0),
+        Some(number) if text.ends_with('h') => (number, 3600.0),
+        Some(number) => (number, 1.0),
+        None => (text, 1.0),
+    };
+    Ok(Duration::from_secs_f64(Bounds::Above0AtMost(MOST_S).parsed(number)? * unit_s))
 }
 
 /// Milliseconds of a run.

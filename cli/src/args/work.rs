@@ -1,11 +1,12 @@
 //! The means with which an experiment's runs are done.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use baudbot_experiment::Shard;
 use clap::Args;
 
-use super::value::whole;
+use super::value::{wall_time, whole};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
@@ -37,6 +38,27 @@ pub(crate) struct TuneArgs {
     /// Refused, with the reason
     #[arg(long, value_name = "I/N", hide = true)]
     pub(crate) shard: Option<Shard>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct WorstArgs {
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Number of runs; the same number gives the same runs on any machine [default: 1000, or as many as --within allows]
+    #[arg(long, value_name = "N", value_parser = whole(1_u64..=10_000_000))]
+    pub(crate) runs: Option<u64>,
+    /// Begin no more runs after this wall-clock time, such as 90s, 5m or 1h
+    #[arg(long, value_name = "TIME", value_parser = wall_time)]
+    pub(crate) within: Option<Duration>,
+    /// End the search as soon as a run fails
+    #[arg(long)]
+    pub(crate) first: bool,
+    /// Do only shard I of N of the runs, counted from 0 (method `random`), and write only its journal
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Write the results from the journals of all shards
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "connect"])]
+    pub(crate) merge: Vec<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -6,7 +6,7 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::args::Over;
 use crate::natural;
-use crate::summary::{Blocked, Clock, Lateness, Program, Recording, Robot, Score, Summary};
+use crate::summary::{Blocked, Clock, Lateness, Program, Recording, Required, Robot, Score, Summary};
 use crate::text::{pairs, percent, table};
 
 /// The whole summary.
@@ -69,12 +69,18 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     head.extend(summary.score.iter().flat_map(score));
     head.extend(summary.recording.iter().flat_map(recording));
     head.extend(summary.programs.iter().map(|program| ("program", of_program(program))));
+    head.extend(summary.requirements.iter().map(required));
     if summary.unseen_lines > 0 {
         let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
         head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
     }
     head.extend(summary.blocked.iter().map(blocked));
     head
+}
+
+fn required(Required { requirement, robot, holds, robustness, at_s }: &Required) -> (&'static str, String) {
+    let verdict = if *holds { "holds" } else { "FAILS" };
+    ("required", format!("{requirement}: {verdict} for {robot} by {:.4} at {at_s:.3} s", robustness.abs()))
 }
 
 fn blocked(Blocked { mover, blocked_s }: &Blocked) -> (&'static str, String) {

@@ -4,15 +4,17 @@
 //! same run.
 
 mod direct;
+mod required;
 mod served;
 
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
+use baudbot_experiment::requirement::Judge;
 use baudbot_run::programs::{Output, PROGRAM};
 use baudbot_run::simulation::Progress;
 use baudbot_scenario::Override;
@@ -75,7 +77,9 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     if let Some(note) = plan.note.as_ref().filter(|_| !args.quiet) {
         tell!("{note}");
     }
+    let judge = Arc::new(Mutex::new(Judge::new(args.requirements.clone())));
     let (on_tick, files) = hook(args, &plan)?;
+    let on_tick = required::judged(args, on_tick, &judge);
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let debuggers =
@@ -95,13 +99,18 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     summary.add_last_lines(|robot| plan.tails.last_line(robot));
     summary.unseen_lines = outside.unseen_lines;
     summary.add_programs(&outside.programs, &plan.assigned);
+    required::add(&mut summary, &judge)?;
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
         let file = args.record.record.clone().unwrap_or_default();
         return Err(anyhow!("the recording {} ended before the run: {problem}", file.display()));
     }
-    Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+    Ok(match summary.interrupted {
+        true => ExitCode::from(INTERRUPTED),
+        false if summary.requirements.iter().any(|required| !required.holds) => ExitCode::FAILURE,
+        false => ExitCode::SUCCESS,
+    })
 }
 
 fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {

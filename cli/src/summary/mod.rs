@@ -1,5 +1,7 @@
 //! The summary of a run: the server's counters, with data of the scenario.
 
+use baudbot_experiment::Demand;
+use baudbot_experiment::requirement::Fall;
 use baudbot_proto::v1;
 use baudbot_proto::v1::pace::Kind;
 use baudbot_sim::Scenario;
@@ -56,6 +58,20 @@ pub(crate) struct Summary {
     /// Programs in simulated time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) programs: Vec<Program>,
+    /// How the run keeps to what is required of it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) requirements: Vec<Required>,
+}
+
+/// A requirement on a robot.
+#[derive(Debug, Serialize)]
+pub(crate) struct Required {
+    pub(crate) requirement: String,
+    pub(crate) robot: String,
+    pub(crate) holds: bool,
+    /// By how much; below 0, by how much it does not.
+    pub(crate) robustness: f64,
+    pub(crate) at_s: f64,
 }
 
 /// A recording of the run.
@@ -162,11 +178,24 @@ impl Summary {
             unseen_lines: 0,
             robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assigned)).collect(),
             programs: Vec::new(),
+            requirements: Vec::new(),
         }
     }
 }
 
 impl Summary {
+    /// Adds how the run keeps to what is required.
+    pub(crate) fn add_requirements(&mut self, demands: &[Demand], falls: &[Fall]) {
+        let required = |fall: &Fall| Required {
+            requirement: demands[fall.requirement as usize].requirement.to_string(),
+            robot: self.robots[fall.robot as usize].robot.clone(),
+            holds: fall.holds,
+            robustness: fall.robustness,
+            at_s: fall.at_s(),
+        };
+        self.requirements = falls.iter().map(required).collect();
+    }
+
     /// Adds the last line that each chip has sent, by the robot's place.
     pub(crate) fn add_last_lines(&mut self, last_line: impl Fn(usize) -> Option<String>) {
         for (place, robot) in self.robots.iter_mut().enumerate() {

@@ -42,6 +42,7 @@ mod transcripts;
 mod trust;
 mod tune;
 mod umbmark;
+mod worst;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

@@ -426,7 +426,8 @@ fn the_experiments_of_the_book_can_be_run() {
         let text = std::fs::read_to_string(&path).unwrap();
         // The experiments whose brain is a program in Python are run by the tests of its package
         // (`client/python/tests`).
-        if !text.contains("[[fields]]") || text.contains("[tune]") || text.contains("python3 ") {
+        let is_search = text.contains("[tune]") || text.contains("[require]");
+        if !text.contains("[[fields]]") || is_search || text.contains("python3 ") {
             continue;
         }
         count += 1;

@@ -33,6 +33,15 @@ fn record(experiment: &Experiment, row: &Row) -> Vec<String> {
             .succeeded(row)
             .map(|success| if ran.is_some() { u8::from(success).to_string() } else { String::new() }),
     );
+    if !experiment.requirements.is_empty() {
+        let fall = ran.and_then(|ran| ran.fall);
+        record.push(fall.map(|fall| fall.robustness.to_string()).unwrap_or_default());
+        record.push(fall.map(|fall| fall.at_s().to_string()).unwrap_or_default());
+        record.push(
+            fall.map(|fall| experiment.requirements[fall.requirement as usize].to_string())
+                .unwrap_or_default(),
+        );
+    }
     let figures = ran.map(|ran| ran.figures.0).unwrap_or_default();
     record.extend(figures.iter().map(|value| value.map(|value| value.to_string()).unwrap_or_default()));
     record.push(ran.map(|ran| format!("{:016x}", ran.hash)).unwrap_or_default());

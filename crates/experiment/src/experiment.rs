@@ -13,9 +13,11 @@ use crate::design::{Cell, Design};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
 use crate::figures::Figure;
+use crate::hunt::Hunt;
 use crate::places;
 use crate::raw::{self, ChartKind, Wants};
-use crate::run_record::{self, Row, Task};
+use crate::requirement::{Demand, Demands};
+use crate::run_record::{self, Ran, Row, Task};
 use crate::seeds::Seeds;
 use crate::success::Success;
 use crate::tuning::Tuning;
@@ -47,10 +49,16 @@ pub struct Experiment {
     pub fields: Vec<Field>,
     /// The criterion of success, if there is one.
     pub success: Option<Success>,
+    /// What must hold of each run, instant by instant.
+    pub requirements: Demands,
+    /// Its tables have how near each run came to a failure, whatever is required.
+    pub nearness: bool,
     /// The search for limits.
     pub find: Find,
     /// The tuning of the fields, if they can be tuned.
     pub tuning: Option<Tuning>,
+    /// The search for the worst run.
+    pub hunt: Hunt,
     /// The charts that are drawn.
     pub charts: Vec<Chart>,
 }
@@ -103,13 +111,15 @@ impl Experiment {
         unique(&fields)?;
         places::unique(&fields, &text)?;
         let success = raw.success.as_ref().map(|table| Success::new("success", table)).transpose()?;
+        let requirements = Demand::all(raw.require)?;
+        let has_success = success.is_some() || !requirements.is_empty();
         let charts = if raw.charts.is_empty() && raw.tune.is_none() {
-            usual_charts(fields.len(), success.is_some())
+            usual_charts(fields.len(), has_success)
         } else {
             raw.charts
         };
         let charts = charts.into_iter().enumerate();
-        let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
+        let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, has_success));
         let (brains, lifetime) = brains(raw.brain, raw.brains)?;
         Ok(Self {
             name: raw.name.filter(|name| !name.is_empty()).unwrap_or_else(|| stem.to_owned()),
@@ -125,8 +135,11 @@ impl Experiment {
             charts: charts.collect::<Result<_, _>>()?,
             find: find_of(&raw.find)?,
             tuning: raw.tune.map(Tuning::new).transpose()?,
+            hunt: Hunt::new(&raw.worst)?,
             fields,
             success,
+            requirements,
+            nearness: raw.nearness,
         })
     }
 
@@ -187,13 +200,38 @@ impl Experiment {
     /// The columns of the table.
     pub fn columns(&self) -> Vec<String> {
         let labels = self.fields.iter().map(|field| field.label.as_str());
-        run_record::columns(labels, self.success.is_some()).map(str::to_owned).collect()
+        run_record::columns(labels, self.has_success(), !self.requirements.is_empty())
+            .map(str::to_owned)
+            .collect()
     }
 
-    /// Whether a run succeeded, if anything counts as success. One that could not be did not.
+    /// Whether anything counts as success.
+    pub fn has_success(&self) -> bool {
+        self.success.is_some() || !self.requirements.is_empty()
+    }
+
+    /// Whether a run succeeded, if anything counts as success: it meets the conditions and keeps to what is required. One that could not
+    /// be did not.
     pub fn succeeded(&self, row: &Row) -> Option<bool> {
-        let success = self.success.as_ref()?;
-        Some(row.outcome.as_ref().is_ok_and(|ran| success.of(&ran.figures)))
+        let meets = |ran: &Ran| self.success.as_ref().is_none_or(|success| success.of(&ran.figures));
+        let keeps = |ran: &Ran| ran.fall.is_none_or(|fall| fall.holds);
+        self.has_success().then(|| row.outcome.as_ref().is_ok_and(|ran| meets(ran) && keeps(ran)))
+    }
+
+    /// What counts as success, in words.
+    pub fn success_text(&self) -> Option<String> {
+        let conditions = self.success.iter().map(ToString::to_string);
+        let all: Vec<_> = conditions.chain(self.requirements.iter().map(ToString::to_string)).collect();
+        self.has_success().then(|| all.join(", "))
+    }
+
+    /// Whether its runs are to be seen at each tick, which only a world in this process lets anybody do.
+    pub(crate) fn is_observed(&self) -> bool {
+        let conditions = self.success.iter().flat_map(|success| success.figures());
+        let charts = self.charts.iter().filter_map(|chart| chart.figure);
+        let goals = self.tuning.iter().flat_map(|tuning| tuning.goal.figures());
+        let is_asked = self.nearness || !self.requirements.is_empty();
+        is_asked || conditions.chain(charts).chain(goals).any(Figure::is_observed)
     }
 
     /// The place of a field by its label, or by the path that it varies.

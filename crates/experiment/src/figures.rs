@@ -31,6 +31,12 @@ pub enum Figure {
     BytesLost,
     FramesMissed,
     ReadsMissed,
+    ClearanceMinM,
+    ClearanceMinAtS,
+    DeadlineSlackMinMs,
+    DeadlineSlackMinAtS,
+    StalenessMaxAtS,
+    BatteryMin,
 }
 
 /// The description of a figure.
@@ -138,9 +144,45 @@ pub const INFOS: [Info; COUNT] = [
         "reads missed",
         "samples that fell due while the microcontroller was busy, of all sensors of all robots",
     ),
+    info(
+        Figure::ClearanceMinM,
+        "clearance_min_m",
+        "least clearance (m)",
+        "least distance of a robot's body from anything it could run into; 0 at a collision",
+    ),
+    info(
+        Figure::ClearanceMinAtS,
+        "clearance_min_at_s",
+        "time of the least clearance (s)",
+        "time at which the clearance was least",
+    ),
+    info(
+        Figure::DeadlineSlackMinMs,
+        "deadline_slack_min_ms",
+        "least slack to the deadline (ms)",
+        "time from the end of the longest answered control cycle to its deadline; negative if it was late",
+    ),
+    info(
+        Figure::DeadlineSlackMinAtS,
+        "deadline_slack_min_at_s",
+        "time of the least slack (s)",
+        "time at which the cycle with the least slack had ended",
+    ),
+    info(
+        Figure::StalenessMaxAtS,
+        "staleness_max_at_s",
+        "time of the largest staleness (s)",
+        "time at which the brain had got the reading with the largest age",
+    ),
+    share(
+        Figure::BatteryMin,
+        "battery_min",
+        "least charge of a battery",
+        "least charge of a battery, as a fraction of its capacity",
+    ),
 ];
 
-const COUNT: usize = 18;
+const COUNT: usize = 24;
 
 const fn info(figure: Figure, name: &'static str, title: &'static str, meaning: &'static str) -> Info {
     Info { figure, name, title, is_share: false, meaning }
@@ -159,6 +201,11 @@ impl Figure {
         let names = INFOS.map(|info| info.name);
         let found = INFOS.iter().find(|info| info.name == name);
         found.map(|info| info.figure).ok_or_else(|| UnknownName::new("figure", name, &names))
+    }
+
+    /// Whether it needs somebody who sees the world at every tick: it is missing of a run on another machine's server.
+    pub fn is_observed(self) -> bool {
+        self as usize >= Self::ClearanceMinM as usize
     }
 
     /// The description of the figure.
@@ -184,7 +231,7 @@ impl Figures {
         self.0[figure as usize] = value.filter(|value| value.is_finite());
     }
 
-    /// The figures of a run so far.
+    /// The figures of a run so far, without those of [`Figure::is_observed`].
     pub fn of_world(world: &World) -> Self {
         Self::of(&world_status(world))
     }

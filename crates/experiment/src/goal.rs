@@ -38,6 +38,11 @@ impl Goal {
         self.weights.iter().any(|(figure, _)| *figure == Figure::GoalTimeS)
     }
 
+    /// The figures that it uses.
+    pub(crate) fn figures(&self) -> impl Iterator<Item = Figure> {
+        self.weights.iter().map(|(figure, _)| *figure)
+    }
+
     /// The score of a run; of one that lacks a figure, the figure that it lacks.
     pub fn score(&self, figures: &Figures) -> Result<f64, Figure> {
         let part =

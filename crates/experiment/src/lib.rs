@@ -15,6 +15,7 @@
 //! 6. [`grade`] holds what a brain did in an exercise against criteria that are worth points, [`evidence`] presets against measurements
 //!    of real robots.
 
+mod batches;
 pub mod chart;
 mod check;
 mod checked_fields;
@@ -27,15 +28,19 @@ mod estimate;
 pub mod evidence;
 mod experiment;
 pub mod factor;
+mod failure;
 pub mod figures;
 pub mod find;
 mod fingerprint;
 mod goal;
 pub mod grade;
+mod hunt;
 mod ids;
 mod journal;
 mod local_runner;
 mod merge;
+mod observed_world;
+mod observer;
 mod outputs;
 mod packed;
 #[cfg(feature = "parquet")]
@@ -46,7 +51,9 @@ mod private_server;
 mod raw;
 mod read;
 mod remote;
+pub mod requirement;
 mod resumed;
+mod run_options;
 mod run_record;
 mod seeds;
 pub mod served;
@@ -62,6 +69,7 @@ mod tests;
 mod told;
 pub mod tune;
 mod tuning;
+pub mod worst;
 
 pub use check::check;
 pub use error::Error;
@@ -75,6 +83,7 @@ pub use packed::Packed;
 pub use pool::{Place, Workers};
 pub use raw::{ChartKind, Method, Wants};
 pub use read::ReadError;
+pub use requirement::Demand;
 pub use run_record::{Ran, Row, RunError, Task};
 pub use seeds::Seeds;
 pub use shard::{Shard, ShardError};
@@ -83,3 +92,4 @@ pub use sweep::{Options, Swept, sweep};
 pub use told::Told;
 pub use tune::{Tuned, tune};
 pub use tuning::Tuning;
+pub use worst::{Limit, Worst, merge_worst, trial, worst};

@@ -5,8 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use baudbot_run::{in_process, simulation};
 use baudbot_server::world_status;
+use baudbot_sim::World;
 
 use crate::experiment::Experiment;
+use crate::observer::Sight;
 use crate::run_record::{Ran, Row, RunError, Task};
 use crate::setup::Setup;
 
@@ -19,12 +21,22 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
             let problem = format!("`{}` is a program, which needs a server to attach to", task.program);
             return Err(RunError::new(problem));
         }
-        let world = if assigned.at_ports.is_empty() {
-            in_process::run(scenario, &assigned.brains).map_err(RunError::new)?
-        } else {
-            simulation::run(scenario, &assigned).map_err(RunError::new)?
+        let mut sight = Sight::of(experiment);
+        let look = |world: &World| {
+            if let Some(sight) = &mut sight {
+                sight.see(world);
+            }
         };
-        Ok(Ran::of(&world_status(&world)))
+        let world = if assigned.at_ports.is_empty() {
+            in_process::run(scenario, &assigned.brains, look).map_err(RunError::new)?
+        } else {
+            simulation::run(scenario, &assigned, look).map_err(RunError::new)?
+        };
+        let ran = Ran::of(&world_status(&world));
+        match &sight {
+            Some(sight) => sight.tell(ran),
+            None => Ok(ran),
+        }
     };
     let outcome =
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(RunError::new(panicked(&*panic))));

@@ -9,7 +9,7 @@ use crate::check::check;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::fingerprint::{build, fingerprint};
-use crate::journal::{Contents, Entry, Header, Purpose};
+use crate::journal::{Contents, Entry, Header, Journal, Purpose};
 use crate::outputs::Folder;
 use crate::shard::Shard;
 use crate::sweep::{self, JOURNAL, Options, Swept};
@@ -57,15 +57,41 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
     let total = experiment.runs()?;
     check(experiment)?;
     let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
+    match gather(&header, total, sources, options)? {
+        Gathered::Missing(missing) => Ok(Merged::Missing(missing)),
+        Gathered::Whole { folder, mut journal, resumed } => {
+            if options.fresh {
+                sweep::replace(&folder, &mut journal)?;
+            }
+            sweep::finish(experiment, &folder, &journal, resumed, total).map(Merged::Whole)
+        }
+    }
+}
+
+/// The runs of journals, together.
+pub(crate) enum Gathered {
+    /// All are there, in this journal, which had some before.
+    Whole { folder: Folder, journal: Journal, resumed: u64 },
+    /// Some are not; nothing was written.
+    Missing(Missing),
+}
+
+/// Writes the first so many runs of these journals into one; those that are there must be the same.
+pub(crate) fn gather(
+    header: &Header,
+    total: u64,
+    sources: &[PathBuf],
+    options: &Options<'_>,
+) -> Result<Gathered, Error> {
     let warn = |text: &str| options.warn(text);
-    let read = |path: &Path| Contents::read(path, &header, Purpose::Merge, &warn);
+    let read = |path: &Path| Contents::read(path, header, Purpose::Merge, &warn);
     let mut all = journals(sources)?.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
     let chosen = Chosen::new(&all)?;
-    if chosen.runs.len() as u64 != total {
-        return Ok(Merged::Missing(chosen.missing(&all, total)));
+    if (chosen.runs.partition_point(|run| *run < total) as u64) < total {
+        return Ok(Gathered::Missing(chosen.missing(&all, total)));
     }
     let folder = Folder::take(options.out)?;
-    let mut journal = sweep::begin_journal(&folder, &header, options)?;
+    let mut journal = sweep::begin_journal(&folder, header, options)?;
     let resumed = journal.done();
     let done = journal.runs();
     if !options.fresh {
@@ -85,10 +111,7 @@ pub fn merge(experiment: &Experiment, sources: &[PathBuf], options: &Options<'_>
         }
     }
     journal.sync()?;
-    if options.fresh {
-        sweep::replace(&folder, &mut journal)?;
-    }
-    sweep::finish(experiment, &folder, &journal, resumed, total).map(Merged::Whole)
+    Ok(Gathered::Whole { folder, journal, resumed })
 }
 
 /// All journals of the sources, in their order.

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS};
 use crate::outputs::Content;
+use crate::requirement::Fall;
 use crate::run_record::Row;
 
 /// Writes the rows, which come in the order of their runs.
@@ -58,9 +59,16 @@ fn columns(experiment: &Experiment, rows: &[Row]) -> Vec<Column> {
         rows.iter().map(|row| row.outcome.as_ref().err().map(ToString::to_string)).collect(),
     ));
     all.push(Column::Text(ran().map(|ran| ran.map(|ran| ran.ending.clone())).collect()));
-    if experiment.success.is_some() {
+    if experiment.has_success() {
         let success = |row: &Row| experiment.succeeded(row).filter(|_| row.outcome.is_ok());
         all.push(Column::Truth(rows.iter().map(success).collect()));
+    }
+    if !experiment.requirements.is_empty() {
+        let falls = || ran().map(|ran| ran.and_then(|ran| ran.fall));
+        let named = |fall: Fall| experiment.requirements[fall.requirement as usize].to_string();
+        all.push(Column::Number(falls().map(|fall| fall.map(|fall| fall.robustness)).collect()));
+        all.push(Column::Number(falls().map(|fall| fall.map(|fall| fall.at_s())).collect()));
+        all.push(Column::Text(falls().map(|fall| fall.map(named)).collect()));
     }
     for info in &INFOS {
         let value = |figures: &Figures| figures.get(info.figure);

@@ -43,6 +43,7 @@ impl Workers {
         stop: &AtomicBool,
         mut each: impl FnMut(Row, Duration) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        self.refuse_unseen(experiment)?;
         // A program attaches to a server, and to a private one if the user names none.
         let private = match self.place {
             Place::Here if experiment.has_programs() => Some(PrivateServer::start([])?),
@@ -79,6 +80,17 @@ impl Workers {
             }
             outcome
         })
+    }
+
+    /// Runs that are to be seen at each tick cannot be on a server elsewhere.
+    fn refuse_unseen(&self, experiment: &Experiment) -> Result<(), Error> {
+        match &self.place {
+            Place::Server(address) if experiment.is_observed() => Err(Error::Refused(format!(
+                "requirements, and figures of nearness in conditions, charts and goals, need runs that are seen at each tick, which \
+                 the server at {address} does not show; leave out --connect"
+            ))),
+            Place::Here | Place::Server(_) => Ok(()),
+        }
     }
 
     /// One thread's work.

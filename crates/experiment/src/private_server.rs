@@ -49,6 +49,11 @@ impl PrivateServer {
         Ok(Self { address, server: Some(server), stop: Some(stop), thread, _folder: folder })
     }
 
+    /// The server itself. Nobody may keep it for longer than this lives.
+    pub(crate) fn server(&self) -> Option<&Arc<Server>> {
+        self.server.as_ref()
+    }
+
     /// A connection of its operator.
     pub(crate) async fn operator(&self) -> Result<Client, Error> {
         let failed = |error: &dyn ToString| Error::Server(error.to_string());

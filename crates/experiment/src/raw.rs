@@ -22,11 +22,52 @@ pub(crate) struct Experiment {
     #[serde(default)]
     pub(crate) fields: Vec<Field>,
     pub(crate) success: Option<Table>,
+    pub(crate) require: Option<Value>,
+    #[serde(default)]
+    pub(crate) nearness: bool,
     #[serde(default)]
     pub(crate) find: Find,
     pub(crate) tune: Option<Tune>,
     #[serde(default)]
+    pub(crate) worst: Worst,
+    #[serde(default)]
     pub(crate) charts: Vec<Chart>,
+}
+
+/// Requirements on the robots of a run, or on one.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Require {
+    pub(crate) always: Option<String>,
+    pub(crate) never: Option<String>,
+    pub(crate) eventually: Option<String>,
+    pub(crate) whenever: Option<String>,
+    pub(crate) then: Option<String>,
+    pub(crate) within_s: Option<f64>,
+    pub(crate) from_s: Option<f64>,
+    pub(crate) robot: Option<String>,
+}
+
+/// The search for the worst run.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Worst {
+    pub(crate) method: Option<Strategy>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) particles: Option<u64>,
+    pub(crate) repeats: Option<u64>,
+}
+
+/// The way in which the worst run is searched for.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// Each run is drawn anew, so that the share that fails bounds the probability of failure.
+    Random,
+    /// Covariance matrix adaptation, from the worst of some that were drawn, again and again.
+    CmaEs,
+    /// Adaptive multilevel splitting: runs that came near to a failure go on from there with other random numbers.
+    Splitting,
 }
 
 /// A brain that is a program.

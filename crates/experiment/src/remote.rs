@@ -1,19 +1,23 @@
 //! Runs on a server.
 
 use std::cell::{Cell, RefCell};
+use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use baudbot_client::{Channel, Client, Error as ClientError, connect};
+use baudbot_client::{Channel, Client, connect};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_run::AttachedBrains;
-use baudbot_run::assignment::{Assigned, Assignment, AssignmentError, START_PATIENCE};
-use baudbot_run::programs::{Crew, Failure as Broken, Held, Idle, Lifetime, PROGRAM, Problem};
+use baudbot_run::assignment::{Assigned, Assignment, START_PATIENCE};
+use baudbot_run::programs::{Crew, Failure as Broken, Held, Idle, Lifetime, PROGRAM};
+use baudbot_server::Server;
 use tokio::runtime::Runtime;
-use tonic::{Code, Status};
+use tonic::Code;
 
 use crate::error::Error;
 use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::observed_world::ObservedWorld;
 use crate::private_server::PrivateServer;
 use crate::run_record::{Ran, Row, RunError, Task};
 use crate::setup::{self, Setup};
@@ -25,6 +29,8 @@ pub(crate) struct Remote {
     /// The server's address, for programs that attach to it.
     address: String,
     name: String,
+    /// The server, if it is in this process.
+    private: Option<Weak<Server>>,
     /// Programs that have done a run and wait for another.
     idle: Cell<Idle>,
     /// The last run of a process that has done others, unless a new process has done it again.
@@ -35,14 +41,6 @@ pub(crate) struct Remote {
 struct Done {
     ran: Ran,
     earlier_runs: u64,
-}
-
-/// A reason why a run has no end.
-enum Failure {
-    /// This run could not be; others can.
-    Run(String),
-    /// The server could not.
-    Server(Error),
 }
 
 /// The server that has the worlds.
@@ -59,6 +57,13 @@ impl Host<'_> {
         match self {
             Self::Address(address) => address,
             Self::Private(server) => &server.address,
+        }
+    }
+
+    fn private(&self) -> Option<Weak<Server>> {
+        match self {
+            Self::Address(_) => None,
+            Self::Private(server) => server.server().map(Arc::downgrade),
         }
     }
 
@@ -82,6 +87,7 @@ impl Remote {
             client,
             address: host.brains().to_owned(),
             name: name.to_owned(),
+            private: host.private(),
             idle: Cell::default(),
             unchecked: RefCell::default(),
         })
@@ -168,12 +174,25 @@ impl Remote {
         setup.assigned.programs.iter_mut().for_each(|task| task.lifetime = lifetime);
         let mut control = self.control();
         let world = format!("{}-{}", self.name, task.run);
-        create(&mut control, experiment, task, &world).await?;
+        let server = self.private.as_ref().filter(|_| experiment.is_observed()).and_then(Weak::upgrade);
+        let observed = match server {
+            Some(server) => {
+                let made = ObservedWorld::create(&server, &world, setup.scenario.clone(), experiment);
+                Some(made.map_err(|status| Failure::of(&status))?)
+            }
+            None => {
+                create(&mut control, experiment, task, &world).await?;
+                None
+            }
+        };
         let ran = self.drive(&mut control, &world, setup).await;
         let deleted = control.delete_world(v1::DeleteWorldRequest { world }).await;
-        let ran = ran?;
+        let mut done = ran?;
         deleted.map_err(|status| Failure::of(&status))?;
-        Ok(ran)
+        if let Some(observed) = observed {
+            done.ran = observed.tell(done.ran).map_err(|error| Failure::Run(error.to_string()))?;
+        }
+        Ok(done)
     }
 
     async fn drive(
@@ -331,51 +350,6 @@ async fn held(
     Ok(wanted.held(&status_of(control, world).await?))
 }
 
-impl From<Broken> for Failure {
-    /// A program that fails is the run's own fault. One that does only one run would fail in every other.
-    fn from(failure: Broken) -> Self {
-        if matches!(failure.problem, Problem::NotReused(_)) {
-            return Self::Server(Error::Refused(failure.to_string()));
-        }
-        Self::Run(failure.to_string())
-    }
-}
-
-impl Failure {
-    /// What is invalid to the server is the run's own fault; all else is the server's, as that it is full.
-    fn of(status: &Status) -> Self {
-        Self::said(status.code(), status.message())
-    }
-
-    fn said(code: Code, message: &str) -> Self {
-        if code == Code::InvalidArgument {
-            return Self::Run(message.to_owned());
-        }
-        Self::Server(Error::Server(if code == Code::ResourceExhausted {
-            format!("the server is full: {message}; continue when there is room, or on another server")
-        } else {
-            format!("the server says: {message} ({code:?})")
-        }))
-    }
-
-    /// A brain that is too much for its robot is the run's own fault, too.
-    fn of_attach(error: AssignmentError) -> Self {
-        let AssignmentError::Client(error) = error else { return Self::Run(error.to_string()) };
-        if let ClientError::Status { code: Code::ResourceExhausted, message } = error {
-            return Self::Run(message);
-        }
-        Self::of_client(error)
-    }
-
-    fn of_client(error: ClientError) -> Self {
-        if let ClientError::Status { code, message } = error {
-            Self::said(code, &message)
-        } else {
-            Self::Server(Error::Server(error.to_string()))
-        }
-    }
-}
-
 /// Worlds are described in messages that are about as long as their scenarios, which may have 16 MiB.
 const MAX_MESSAGE_BYTES: usize = 64 << 20;
 
@@ -383,27 +357,3 @@ const MAX_MESSAGE_BYTES: usize = 64 << 20;
 const CHECKED: u64 = 20;
 
 const LONGEST_PAUSE: Duration = Duration::from_millis(100);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_full_server_is_no_fault_of_the_run_but_a_brain_that_is_too_large_is() {
-        let full = Failure::of(&Status::resource_exhausted("a server has at most 4096 worlds"));
-        let Failure::Server(error) = full else { panic!("it is journalled") };
-        assert!(
-            error.to_string().starts_with("the server is full: a server has at most 4096 worlds; "),
-            "{error}"
-        );
-        let status = |code| ClientError::Status { code, message: "hello: so it is".to_owned() };
-        let large = Failure::of_attach(AssignmentError::Client(status(Code::ResourceExhausted)));
-        assert!(matches!(large, Failure::Run(message) if message == "hello: so it is"));
-        assert!(matches!(Failure::of_client(status(Code::ResourceExhausted)), Failure::Server(_)));
-        assert!(matches!(Failure::of_client(status(Code::InvalidArgument)), Failure::Run(_)));
-        assert!(matches!(
-            Failure::of_attach(AssignmentError::Client(status(Code::Unavailable))),
-            Failure::Server(_)
-        ));
-    }
-}

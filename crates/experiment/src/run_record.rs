@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::design::Cell;
 use crate::figures::{Figures, INFOS};
+use crate::requirement::Fall;
 
 /// A run and its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Ran {
     pub ending: String,
     /// The figures of merit.
     pub figures: Figures,
+    /// How the run keeps to what is required, if anything is.
+    pub fall: Option<Fall>,
     /// Fingerprint of the world's state at its end.
     pub hash: u64,
 }
@@ -61,7 +64,7 @@ impl Row {
 
 impl Ran {
     pub(crate) fn of(run: &WorldStatus) -> Self {
-        Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.state_hash }
+        Self { ending: run.ending.clone(), figures: Figures::of(run), fall: None, hash: run.state_hash }
     }
 }
 
@@ -69,9 +72,11 @@ impl Ran {
 pub(crate) fn columns<'a>(
     labels: impl Iterator<Item = &'a str>,
     has_success: bool,
+    has_requirements: bool,
 ) -> impl Iterator<Item = &'a str> {
     let success = has_success.then_some(SUCCESS);
-    let all = FIRST.into_iter().chain(labels).chain([ERROR, ENDING]).chain(success);
+    let required = REQUIRED.into_iter().filter(move |_| has_requirements);
+    let all = FIRST.into_iter().chain(labels).chain([ERROR, ENDING]).chain(success).chain(required);
     all.chain(INFOS.iter().map(|info| info.name)).chain([HASH])
 }
 
@@ -79,6 +84,7 @@ pub(crate) fn columns<'a>(
 pub(crate) fn is_column(name: &str) -> bool {
     FIRST.contains(&name)
         || [ERROR, ENDING, SUCCESS, HASH].contains(&name)
+        || REQUIRED.contains(&name)
         || INFOS.iter().any(|info| info.name == name)
 }
 
@@ -86,6 +92,8 @@ const FIRST: [&str; 3] = ["run", "cell", "seed"];
 const ERROR: &str = "error";
 const ENDING: &str = "ending";
 const SUCCESS: &str = "success";
+/// How the run keeps to the requirement that it keeps to least, and which that is.
+const REQUIRED: [&str; 3] = ["robustness", "robustness_at_s", "requirement"];
 const HASH: &str = "state_hash";
 
 /// A row in the journal; the rest follows from its number.
@@ -99,6 +107,8 @@ pub(crate) struct Written {
     ending: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     figures: Option<[Option<f64>; Figures::COUNT]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fall: Option<Fall>,
     #[serde(skip_serializing_if = "Option::is_none")]
     state_hash: Option<String>,
 }
@@ -111,6 +121,7 @@ impl From<&Row> for Written {
             error: row.outcome.as_ref().err().cloned(),
             ending: ran.map(|ran| ran.ending.clone()),
             figures: ran.map(|ran| ran.figures.0),
+            fall: ran.and_then(|ran| ran.fall),
             state_hash: ran.map(|ran| format!("{:016x}", ran.hash)),
         }
     }
@@ -124,6 +135,7 @@ impl Written {
             None => Ok(Ran {
                 ending: self.ending?,
                 figures: Figures(self.figures?),
+                fall: self.fall,
                 hash: u64::from_str_radix(&self.state_hash?, 16).ok()?,
             }),
         };
@@ -140,8 +152,23 @@ mod tests {
         let mut figures = Figures::default();
         figures.0[2] = Some(0.1 + 0.2);
         figures.0[8] = Some(19.791_666_666_666_668);
-        let ran = Ran { ending: "the scenario's \"time\" is over\n".into(), figures, hash: u64::MAX - 1 };
-        for outcome in [Ok(ran), Err(RunError::new("robots[0].link.baud: must be ≥ 50"))] {
+        let ran = Ran {
+            ending: "the scenario's \"time\" is over\n".into(),
+            figures,
+            fall: None,
+            hash: u64::MAX - 1,
+        };
+        let fall = Fall {
+            requirement: 1,
+            robot: 0,
+            robustness: -0.1 - 0.2,
+            holds: false,
+            at_ns: 7,
+            speed_m_s: 0.3,
+            stalest: Some((2, 0.1)),
+        };
+        let fallen = Ran { fall: Some(fall), ..ran.clone() };
+        for outcome in [Ok(ran), Ok(fallen), Err(RunError::new("robots[0].link.baud: must be ≥ 50"))] {
             let row = Row { run: 7, outcome };
             let text = serde_json::to_string(&Written::from(&row)).unwrap();
             assert!(!text.contains('\n'), "{text}");

@@ -69,7 +69,7 @@ impl Summary {
         json!({
             "experiment": experiment.name,
             "scenario": experiment.scenario,
-            "success": experiment.success.as_ref().map(ToString::to_string),
+            "success": experiment.success_text(),
             "runs": self.runs,
             "failed": self.failed,
             "failures": self.failures.iter().map(|(run, error)| json!({ "run": run, "error": error })).collect::<Vec<_>>(),
@@ -82,7 +82,7 @@ impl Summary {
 impl CellSummary {
     fn new(experiment: &Experiment, number: u64) -> Self {
         let levels = experiment.cell(number).levels.into_iter().map(|level| level.name).collect();
-        let succeeded = experiment.success.as_ref().map(|_| 0);
+        let succeeded = experiment.has_success().then_some(0);
         Self { number, levels, runs: 0, failed: 0, succeeded, figures: Default::default() }
     }
 

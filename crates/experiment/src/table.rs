@@ -15,7 +15,7 @@ pub fn text(experiment: &Experiment, summary: &Summary, most: usize) -> String {
     let figures = shown(experiment);
     let mut head: Vec<String> = experiment.fields.iter().map(|field| field.label.clone()).collect();
     head.push("runs".to_owned());
-    head.extend(experiment.success.iter().map(|_| "success".to_owned()));
+    head.extend(experiment.has_success().then(|| "success".to_owned()));
     head.extend(figures.iter().map(|figure| figure.info().name.to_owned()));
     let cells = summary.cells.iter().take(most);
     let rows: Vec<_> = std::iter::once(head).chain(cells.map(|cell| row(cell, &figures))).collect();
@@ -24,7 +24,7 @@ pub fn text(experiment: &Experiment, summary: &Summary, most: usize) -> String {
     if others > 0 {
         let _ = writeln!(text, "… and {others} more");
     }
-    if let Some(success) = &experiment.success {
+    if let Some(success) = experiment.success_text() {
         let _ = writeln!(text, "success: {success}");
     }
     let _ = writeln!(

@@ -1,6 +1,7 @@
 //! Experiments from their file to their outputs.
 
 mod shards;
+mod worst;
 mod writes;
 
 use std::path::{Path, PathBuf};

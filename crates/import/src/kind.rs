@@ -56,7 +56,10 @@ impl Kind {
     pub(crate) fn command(self, name: &str, text: &str) -> String {
         match self {
             Self::Scenario => format!("baudbot run {name}"),
-            Self::Experiment if is_tuning(text) => format!("baudbot tune {name}"),
+            Self::Experiment if has_table(text, "tune") => format!("baudbot tune {name}"),
+            Self::Experiment if has_table(text, "require") || has_table(text, "worst") => {
+                format!("baudbot worst {name}")
+            }
             Self::Experiment => format!("baudbot sweep {name}"),
             Self::Exercise => format!("baudbot grade {name} --brain BRAIN"),
             Self::Recording => format!("baudbot replay {name}"),
@@ -74,14 +77,21 @@ impl Kind {
     }
 }
 
-fn is_tuning(text: &str) -> bool {
-    text.parse::<DocumentMut>().is_ok_and(|document| document.contains_key("tune"))
+/// Whether the text of a file has this table.
+fn has_table(text: &str, table: &str) -> bool {
+    text.parse::<DocumentMut>().is_ok_and(|document| document.contains_key(table))
 }
 
 /// The fields that no other kind has.
 const TEXTS: [(Kind, &[&str]); 3] = [
     (Kind::Scenario, &["arena", "collision", "end", "metrics", "noise", "robots", "step_ms", "substeps"]),
-    (Kind::Experiment, &["brain", "charts", "design", "fields", "find", "samples", "success", "tune"]),
+    (
+        Kind::Experiment,
+        &[
+            "brain", "charts", "design", "fields", "find", "nearness", "require", "samples", "success",
+            "tune", "worst",
+        ],
+    ),
     (
         Kind::Exercise,
         &["advice", "criteria", "limits", "pass", "robot", "section", "set", "target", "task", "title"],

@@ -15,15 +15,23 @@ pub type AnyBrain = Box<dyn Brain + Send>;
 pub type InProcess = DrivenWorld<BareWorld, AnyBrain>;
 
 /// Runs a scenario with these brains, seeded with the scenario's seed, to its end, which it must have, and reads the
-/// sensors a last time, as a server does. Returns how the world then is.
+/// sensors a last time, as a server does. `look` sees the world between the halves of each tick, and at the end. Returns how the
+/// world then is.
 ///
 /// # Errors
 /// If the catalogue has no such brain for a robot.
-pub fn run(scenario: Scenario, assignments: &[Assignment]) -> Result<World, CatalogueError> {
+pub fn run(
+    scenario: Scenario,
+    assignments: &[Assignment],
+    mut look: impl FnMut(&World),
+) -> Result<World, CatalogueError> {
     let mut local = InProcess::with_assignments(scenario, assignments)?;
     local.world.keep_timeline(0);
-    local.run(u64::MAX);
+    while local.world.ending().is_none() {
+        local.tick(&mut look);
+    }
     local.world.begin();
+    look(&local.world);
     Ok(local.world.into_world())
 }
 

@@ -63,6 +63,10 @@ impl WorldConfig {
         Self { new: NewWorld { replay: Some(replay), paused: true, ..new } }
     }
 
+    pub(super) fn into_new(self) -> NewWorld {
+        self.new
+    }
+
     /// Records the world into this file, which must not be there yet, with so many frames a simulated second; 0 for none.
     #[must_use]
     pub fn record(mut self, path: PathBuf, look_hz: f64) -> Self {

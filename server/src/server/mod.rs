@@ -288,6 +288,14 @@ impl Server {
         Ok(pipes.channel(Peer::process()).await?)
     }
 
+    /// Makes another world, as the builder makes those that are there from the beginning. A client deletes it, or the server's end.
+    ///
+    /// # Errors
+    /// If the name is taken or unfit, or there is no room for another world.
+    pub fn create_world(&self, world: WorldConfig) -> Result<(), Status> {
+        self.registry.create(world.into_new(), None).map(|_| ())
+    }
+
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one
     /// for each, may find a tick between them.
     ///

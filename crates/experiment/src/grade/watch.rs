@@ -6,6 +6,8 @@ use baudbot_sim::{RobotView, World};
 
 use crate::figures::Figures;
 use crate::grade::measure::{MEASURES, Measure, Own};
+use crate::observer::Sight;
+use crate::requirement::Demands;
 use crate::served::Believed;
 
 /// All measures of a run.
@@ -38,6 +40,7 @@ pub(crate) struct Target {
 pub(crate) struct Watch {
     /// The robot's place.
     robot: usize,
+    sight: Sight,
     target: Option<Target>,
     start: Point,
     heading_rad: f64,
@@ -81,6 +84,7 @@ impl Watch {
         let pose = world.robot(robot).motion().pose;
         Self {
             robot,
+            sight: Sight::new(Demands::default()),
             target,
             start: pose.position,
             heading_rad: pose.heading,
@@ -102,6 +106,7 @@ impl Watch {
     /// Sees the world at the beginning of a tick, or at the end, and the poses that brains have published since the tick before. Gives
     /// the collisions of that tick.
     pub(crate) fn see(&mut self, world: &World, believed: &[Believed]) -> Vec<Hit> {
+        self.sight.see(world);
         let robot = world.robot(self.robot);
         let pose = robot.motion().pose;
         for believed in believed.iter().filter(|believed| believed.robot == self.robot) {
@@ -182,7 +187,9 @@ impl Watch {
         set(Own::BeliefErrorMeanM, errors.map(|errors| errors.sum / errors.count as f64));
         set(Own::BeliefErrorMaxM, errors.map(|errors| errors.max));
         set(Own::BeliefErrorEndM, errors.map(|errors| errors.last));
-        Measures { figures: Figures::of_world(world), own }
+        let mut figures = Figures::of_world(world);
+        self.sight.complete(&mut figures);
+        Measures { figures, own }
     }
 }
 

@@ -19,7 +19,7 @@ fn seal() -> Seal {
 fn row(run: u64) -> Row {
     let mut figures = Figures::default();
     figures.0[2] = Some(0.1 + run as f64);
-    let ran = Ran { ending: "time is over".to_owned(), figures, hash: 7 + run };
+    let ran = Ran { ending: "time is over".to_owned(), figures, fall: None, hash: 7 + run };
     Row { run, outcome: if run == 3 { Err(RunError::new("robots[0]: is too large")) } else { Ok(ran) } }
 }
 

@@ -77,7 +77,8 @@ fn exceptions(brain: &str, cable: &str, stated: Option<Writes>) -> Exceptions {
         std::sync::Arc::make_mut(&mut scenario.robots[0].model).writes = Some(writes);
     }
     assigned.state_writes(&mut scenario.robots).unwrap();
-    let world = in_process::run(scenario, &[assignment]).unwrap_or_else(|error| panic!("{brain}: {error}"));
+    let world =
+        in_process::run(scenario, &[assignment], |_| {}).unwrap_or_else(|error| panic!("{brain}: {error}"));
     world.robot(0).cycles().exceptions
 }
 

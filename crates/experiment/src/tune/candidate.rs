@@ -74,7 +74,7 @@ impl Outcome {
 
 /// The number of a range at a share of it, with no more digits than matter: to a ten-thousandth of the range. So it can be
 /// written down, and what is written is what was run.
-pub(super) fn number_at(range: &Range, share: f64) -> f64 {
+pub(crate) fn number_at(range: &Range, share: f64) -> f64 {
     let number = range.at(share);
     if range.whole {
         return number;

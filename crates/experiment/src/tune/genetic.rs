@@ -84,7 +84,8 @@ mod tests {
     use super::*;
     use crate::raw::Method;
 
-    const COURSE: Course = Course { method: Method::Genetic, dimensions: 2, population: 12, seed: 3 };
+    const COURSE: Course =
+        Course { method: Method::Genetic, dimensions: 2, population: 12, seed: 3, start: None };
 
     #[test]
     fn the_best_is_never_lost_and_never_asked_for_again() {

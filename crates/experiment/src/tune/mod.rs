@@ -8,7 +8,7 @@
 //! tuning that was killed goes on where it was. One that is over goes on if it is given more generations.
 
 mod candidate;
-mod course;
+pub(crate) mod course;
 #[cfg(feature = "tune")]
 mod genetic;
 #[cfg(feature = "tune")]
@@ -20,24 +20,24 @@ mod plan;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 pub use candidate::{Candidate, Outcome};
 pub use outcome::Tuned;
 
+use crate::batches::Batches;
 use crate::check::check;
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::experiment::Experiment;
 use crate::journal::Journal;
 use crate::outputs::Folder;
-use crate::pool::Workers;
 use crate::resumed;
-use crate::run_record::{Row, Task};
+use crate::run_record::Task;
 use crate::sweep::{self, Options};
-use candidate::number_at;
+pub(crate) use candidate::number_at;
+pub(crate) use optimizers::check as check_optimizers;
 use plan::Plan;
 
 /// Looks for the numbers of an experiment's fields that make its goal largest, and writes the results. Each field has a
@@ -59,9 +59,8 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
     }
     let folder = Folder::take(options.out)?;
     let mut journal = resume(&plan, &folder, options)?;
-    let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
-    let name = sweep::world_name(folder.id(), options.out);
-    let mut tuner = Tuner { plan, options, rows, journal: &mut journal, name };
+    let batches = Batches::new(experiment, options, &folder, &mut journal)?;
+    let mut tuner = Tuner { plan, options, batches };
     let untuned = match tuner.untuned() {
         Err(error) => {
             sweep::forget_journal(&folder, options.fresh)?;
@@ -71,7 +70,7 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
     };
     if options.fresh {
         remove_outputs(&folder)?;
-        sweep::keep_journal(&folder, tuner.journal)?;
+        sweep::keep_journal(&folder, tuner.batches.journal)?;
     }
     let mut tuned = Tuned::new(untuned);
     tuner.search(&mut tuned)?;
@@ -98,9 +97,7 @@ fn resume(plan: &Plan<'_>, folder: &Folder, options: &Options<'_>) -> Result<Jou
 struct Tuner<'a> {
     plan: Plan<'a>,
     options: &'a Options<'a>,
-    rows: BTreeMap<u64, Row>,
-    journal: &'a mut Journal,
-    name: String,
+    batches: Batches<'a>,
 }
 
 impl Tuner<'_> {
@@ -110,7 +107,7 @@ impl Tuner<'_> {
         let took = self.run(self.plan.tasks(&none, false))?;
         let pilots = took.1;
         if pilots > 0 && !self.options.confirmed && !self.is_stopped() {
-            let missing = self.plan.most_runs.saturating_sub(self.rows.len() as u64);
+            let missing = self.plan.most_runs.saturating_sub(self.batches.rows.len() as u64);
             Estimate::new(missing, pilots, took.0, self.options.jobs).refuse_long("up to ")?;
         }
         Ok(self.judged(none, false))
@@ -168,28 +165,13 @@ impl Tuner<'_> {
 
     /// Does those runs that are missing. Returns how long they took, one after the other, and how many they were.
     fn run(&mut self, tasks: Vec<Task>) -> Result<(Duration, u64), Error> {
-        let missing: Vec<_> = tasks.into_iter().filter(|task| !self.rows.contains_key(&task.run)).collect();
-        let (mut time, mut count) = (Duration::ZERO, 0);
-        let (options, most) = (self.options, self.plan.most_runs);
-        (options.progress)(self.rows.len() as u64, most);
-        let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
-        let (journal, rows) = (&mut *self.journal, &mut self.rows);
-        let worked = workers.work(self.plan.experiment, missing.into_iter(), options.stop, |row, took| {
-            time += took;
-            count += 1;
-            journal.append(&row)?;
-            rows.insert(row.run, row);
-            (options.progress)(rows.len() as u64, most);
-            Ok(())
-        });
-        let synced = self.journal.sync();
-        worked.and(synced).map(|()| (time, count))
+        self.batches.run(tasks, self.plan.most_runs)
     }
 
     /// A candidate with its results; `None` if not all of its runs are done.
     fn judged(&self, candidate: Candidate, is_check: bool) -> Option<Candidate> {
         let runs = self.plan.tasks(&candidate, is_check).into_iter().map(|task| task.run);
-        let rows = runs.map(|run| self.rows.get(&run)).collect::<Option<Vec<_>>>()?;
+        let rows = runs.map(|run| self.batches.rows.get(&run)).collect::<Option<Vec<_>>>()?;
         let outcome = Outcome::of(self.plan.experiment, &self.plan.tuning.goal, rows.into_iter());
         Some(Candidate { outcome, ..candidate })
     }

@@ -4,14 +4,14 @@ use super::course::Course;
 use crate::error::Error;
 
 /// Whether there are optimizers in this program.
-pub(super) fn check() -> Result<(), Error> {
+pub(crate) fn check() -> Result<(), Error> {
     let problem = "this program was built without optimizers; cargo build --release --features tune builds one with them";
     Err(Error::Refused(problem.to_owned()))
 }
 
 impl Course {
     /// Nothing: [`check`] comes first.
-    pub(super) fn generation(&self, _: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
+    pub(crate) fn generation(&self, _: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
         check().map(|()| None)
     }
 }

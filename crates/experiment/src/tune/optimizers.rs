@@ -22,7 +22,7 @@ use crate::raw::Method;
 
 /// Whether there are optimizers in this program.
 #[expect(clippy::unnecessary_wraps, reason = "it is as the one of a program without")]
-pub(super) fn check() -> Result<(), Error> {
+pub(crate) fn check() -> Result<(), Error> {
     Ok(())
 }
 
@@ -31,7 +31,7 @@ impl Course {
     ///
     /// # Errors
     /// The optimizer's error.
-    pub(super) fn generation(&self, past: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
+    pub(crate) fn generation(&self, past: &[Vec<f64>]) -> Result<Option<Vec<Vec<f64>>>, Error> {
         let ledger = Ledger::new(past);
         let goes_on = match self.method {
             Method::CmaEs => self.sample(past.len(), &ledger)?,
@@ -43,7 +43,8 @@ impl Course {
 
     fn sample(&self, past: usize, ledger: &Ledger) -> Result<bool, Error> {
         let folded = |point: &DVector<f64>| point.iter().map(|x| fold(*x)).collect::<Vec<_>>();
-        let options = CMAESOptions::new(vec![0.5; self.dimensions], FIRST_STEP).tol_x(LEAST_STEP);
+        let start = self.start.clone().unwrap_or_else(|| vec![0.5; self.dimensions]);
+        let options = CMAESOptions::new(start, FIRST_STEP).tol_x(LEAST_STEP);
         let options = options.population_size(self.population).seed(self.seed);
         let cost = |point: &DVector<f64>| ledger.cost(&folded(point));
         let mut optimizer = options.build(cost).map_err(|error| failed(format!("{error:?}")))?;
@@ -112,7 +113,7 @@ mod tests {
     }
 
     fn course(method: Method, dimensions: usize) -> Course {
-        Course { method, dimensions, population: 12, seed: 3 }
+        Course { method, dimensions, population: 12, seed: 3, start: None }
     }
 
     /// All points, generation by generation.

@@ -14,9 +14,10 @@ use super::plan::ranges;
 use crate::chart;
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::factor::{Choice, Field, Setting};
+use crate::factor::{Choice, Field};
 use crate::goal::Goal;
 use crate::outputs::{Content, Folder};
+use crate::run_options::RunOptions;
 
 /// The result of a tuning.
 #[derive(Debug)]
@@ -111,7 +112,7 @@ impl Tuned {
             let _ = writeln!(text, "    untuned: {}", told(experiment, untuned));
             let _ = writeln!(text, "    best:    {}", told(experiment, best));
         }
-        let _ = writeln!(text, "as options of `baudbot run`: {}", options(experiment, best));
+        let _ = writeln!(text, "as options of `baudbot run`: {}", settings(experiment, best).options());
         text
     }
 
@@ -133,7 +134,7 @@ impl Tuned {
             "untuned": self.untuned.as_ref().map(|untuned| outcome(&untuned.outcome)),
             "best": self.best().map(|best| json!({
                 "number": best.number, "generation": best.generation, "values": values(best),
-                "outcome": outcome(&best.outcome), "options": options(experiment, best),
+                "outcome": outcome(&best.outcome), "options": settings(experiment, best).options(),
             })),
             "checked": self.checked.as_ref().map(|(best, untuned)| {
                 json!({ "best": outcome(best), "untuned": outcome(untuned) })
@@ -231,48 +232,9 @@ fn share(field: &Field, value: f64) -> Option<f64> {
     }
 }
 
-/// The brains of a candidate as arguments of `--brain`, and its fields of the scenario as arguments of `--set`.
-fn options(experiment: &Experiment, best: &Candidate) -> String {
-    let Settings { brains, parameters, sets } = settings(experiment, best);
-    let option = |name: &'static str| move |text: &String| format!("{name} {}", quoted(text));
-    let brains = brains.iter().map(option("--brain")).chain(parameters.iter().map(option("--parameter")));
-    brains.chain(sets.iter().map(option("--set"))).collect::<Vec<_>>().join(" ")
-}
-
-/// The text as a word of a shell, in quotes.
-fn quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', r"'\''"))
-}
-
-/// The settings of a candidate.
-#[derive(Default)]
-struct Settings {
-    brains: Vec<String>,
-    /// The parameters of programs.
-    parameters: Vec<String>,
-    sets: Vec<String>,
-}
-
-fn settings(experiment: &Experiment, candidate: &Candidate) -> Settings {
-    let Ok(ranges) = ranges(experiment) else { return Settings::default() };
-    let mut brains = experiment.brains.clone();
-    let (mut parameters, mut sets) = (Vec::new(), Vec::new());
-    for setting in levels(&ranges, &candidate.values).iter().flat_map(|level| &level.settings) {
-        if let Setting::Parameter { name, value } = setting {
-            if experiment.has_programs() {
-                parameters.push(format!("{name}={value}"));
-                continue;
-            }
-            let takes = |brain: &&mut String| catalogue::takes(assignment::split(brain).1, name);
-            for brain in brains.iter_mut().filter(takes) {
-                let and = if brain.contains(':') { ',' } else { ':' };
-                let _ = write!(brain, "{and}{name}={value}");
-            }
-        } else {
-            sets.extend(setting.as_override());
-        }
-    }
-    Settings { brains, parameters, sets }
+fn settings(experiment: &Experiment, candidate: &Candidate) -> RunOptions {
+    let levels = ranges(experiment).map(|ranges| levels(&ranges, &candidate.values)).unwrap_or_default();
+    RunOptions::new(experiment, &levels)
 }
 
 /// The tuned brain as a description, if there is one brain and it is described.

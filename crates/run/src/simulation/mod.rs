@@ -342,13 +342,17 @@ pub enum RunError {
 ///
 /// # Errors
 /// If the catalogue has no such brain for a robot, or a program cannot go on.
-pub fn run(scenario: Scenario, assigned: &Assigned) -> Result<World, RunError> {
+pub fn run(scenario: Scenario, assigned: &Assigned, mut look: impl FnMut(&World)) -> Result<World, RunError> {
     let seed = scenario.seed;
     let mut local = InProcess::with_assignments(scenario, &assigned.brains)?;
     local.world.keep_timeline(0);
     let mut programs = Simulation::start(&mut local.world, &assigned.at_ports, seed)?;
     loop {
-        match tick(&mut local, &mut programs, |_| Ok(())) {
+        let ticked = tick(&mut local, &mut programs, |driven| {
+            look(&driven.world);
+            Ok(())
+        });
+        match ticked {
             Ok(true) => {}
             Ok(false) => break,
             Err(TickError::Program(error)) => return Err(error.into()),
@@ -356,6 +360,7 @@ pub fn run(scenario: Scenario, assigned: &Assigned) -> Result<World, RunError> {
         }
     }
     local.world.begin();
+    look(&local.world);
     Ok(local.world.into_world())
 }
 

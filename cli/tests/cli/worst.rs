@@ -1,0 +1,122 @@
+//! `baudbot worst` and `run --require`: their output, their files and their exit codes.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::{baudbot, good};
+
+const NEAR: &str = r#"
+scenario = "wander"
+brain = "avoid"
+seconds = 10.0
+[require]
+always = "clearance_m > 0.1"
+[[fields]]
+field = "robots.robot.link.baud"
+label = "baud"
+values = [1200]
+[[fields]]
+field = "robots.robot.start.heading_rad"
+label = "heading_rad"
+from = -3.0
+to = 3.0
+"#;
+
+/// An experiment, and the folder for its results.
+fn experiment(name: &str, toml: &str) -> (String, String) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("worst-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("near.toml");
+    std::fs::write(&path, toml).unwrap();
+    (path.to_str().unwrap().to_owned(), folder.join("out").to_str().unwrap().to_owned())
+}
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn the_worst_run_is_a_scenario_that_fails_by_the_command_in_its_head() {
+    let (file, out) = experiment("head", NEAR);
+    let (code, told, err) = baudbot(&["worst", &file, "--out", &out, "--runs", "60"]);
+    assert_eq!(code, 1, "{told}{err}");
+    assert!(told.starts_with("near: always clearance_m > 0.1 (cma-es)\n"), "{told}");
+    assert!(told.contains(" of 60 runs fail\n") && told.contains(" fails "), "{told}");
+    for file in ["worst.toml", "worst.mcap", "worst.svg"] {
+        assert!(Path::new(&out).join(file).exists() && err.contains(&format!("wrote {out}/{file}")), "{err}");
+    }
+    let case = std::fs::read_to_string(Path::new(&out).join("worst.toml")).unwrap();
+    let command = case.lines().nth(1).unwrap().split_once(": baudbot ").unwrap();
+    let state = command.0.strip_prefix("# state ").unwrap();
+    let words = shlex::split(command.1).unwrap();
+    let words: Vec<_> = words
+        .iter()
+        .map(|word| if word == "worst.toml" { format!("{out}/{word}") } else { word.clone() })
+        .collect();
+    let words: Vec<_> = words.iter().map(String::as_str).collect();
+    let (code, report, _) = baudbot(&words);
+    assert_eq!(code, 1, "{report}");
+    assert!(
+        report.contains("always clearance_m > 0.1: FAILS for robot by 0.0") && report.contains(state),
+        "{report}"
+    );
+    let (code, summary, _) = baudbot(&[&words[..], &["--json"]].concat());
+    let required = &json(&summary)["requirements"][0];
+    assert_eq!(
+        (code, required["holds"].as_bool(), required["robot"].as_str()),
+        (1, Some(false), Some("robot"))
+    );
+    // The recording is of that run.
+    let replayed = good(&["replay", &format!("{out}/worst.mcap")]);
+    assert!(replayed.contains(state), "{replayed}");
+    let again = baudbot(&["worst", &file, "--out", &out, "--runs", "60", "--json", "--quiet"]);
+    assert_eq!((again.0, json(&again.1)["case"]["state_hash"].as_str()), (1, Some(state)));
+}
+
+#[test]
+fn a_search_that_finds_nothing_says_what_that_is_worth() {
+    let toml = NEAR.replace("> 0.1\"", "> -1\"") + "[worst]\nmethod = \"random\"\n";
+    let (file, out) = experiment("nothing", &toml);
+    let (code, told, err) = baudbot(&["worst", &file, "--out", &out, "--runs", "30"]);
+    assert_eq!(code, 0, "{told}{err}");
+    // 1 − 0.025^(1/30).
+    assert!(
+        told.contains("not found in 30 runs; with 95 % confidence fewer than 11.57 % of such runs do"),
+        "{told}"
+    );
+}
+
+/// By way of a server, to which programs attach, the same runs are seen at each tick.
+#[test]
+fn programs_are_searched_like_brains_of_the_catalogue() {
+    let (file, out) = experiment("direct", NEAR);
+    let exec = format!("brain = {{ exec = \"{} brain avoid\" }}", env!("CARGO_BIN_EXE_baudbot"));
+    let (program, program_out) = experiment("program", &NEAR.replace("brain = \"avoid\"", &exec));
+    let found = [(file, out), (program, program_out)].map(|(file, out)| {
+        let (code, told, err) = baudbot(&["worst", &file, "--out", &out, "--runs", "6", "--json"]);
+        assert!(code < 2, "{err}");
+        let told = json(&told);
+        told["worst"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|run| (run["run"].clone(), run["robustness"].clone(), run["at_s"].clone()))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(found[0].len(), 6);
+    assert_eq!(found[0], found[1]);
+}
+
+#[test]
+fn what_cannot_be_required_is_refused() {
+    let run = |rule: &str| baudbot(&["run", "wander", "--seconds", "1", "--quiet", "--require", rule]);
+    let (code, _, err) = run("always clearence_m > 0");
+    assert!(code == 2 && err.contains("did you mean `clearance_m`?"), "{code} {err}");
+    let (code, _, err) = run("always age_ms(ir_rear) < 3");
+    assert!(code == 2 && err.contains("--require: there is no sensor `ir_rear`"), "{code} {err}");
+    assert_eq!(run("always clearance_m > 0").0, 0);
+    assert_eq!(run("eventually distance_m > 100").0, 1);
+    let (file, _) = experiment("remote", NEAR);
+    let (code, _, err) = baudbot(&["sweep", &file, "--connect", "localhost:1"]);
+    assert!(code == 2, "{err}");
+}

@@ -1,0 +1,56 @@
+//! Runs in batches, for searches whose next runs depend on those before: they go into the journal, and those that it has are not done again.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::journal::Journal;
+use crate::outputs::Folder;
+use crate::pool::Workers;
+use crate::run_record::{Row, Task};
+use crate::sweep::{self, Options};
+
+/// All rows of a search, with the journal that they are in.
+pub(crate) struct Batches<'a> {
+    experiment: &'a Experiment,
+    options: &'a Options<'a>,
+    pub(crate) journal: &'a mut Journal,
+    pub(crate) rows: BTreeMap<u64, Row>,
+    name: String,
+}
+
+impl<'a> Batches<'a> {
+    /// The batches of a search that goes on with what its journal has.
+    pub(crate) fn new(
+        experiment: &'a Experiment,
+        options: &'a Options<'a>,
+        folder: &Folder,
+        journal: &'a mut Journal,
+    ) -> Result<Self, Error> {
+        let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
+        let name = sweep::world_name(folder.id(), options.out);
+        Ok(Self { experiment, options, journal, rows, name })
+    }
+
+    /// Does those runs of a batch that are missing, of so many that there may be. Returns how long they took, one after the other, and
+    /// how many they were.
+    pub(crate) fn run(&mut self, tasks: Vec<Task>, most: u64) -> Result<(Duration, u64), Error> {
+        let missing: Vec<_> = tasks.into_iter().filter(|task| !self.rows.contains_key(&task.run)).collect();
+        let (mut time, mut count) = (Duration::ZERO, 0);
+        let options = self.options;
+        (options.progress)(self.rows.len() as u64, most);
+        let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
+        let (journal, rows) = (&mut *self.journal, &mut self.rows);
+        let worked = workers.work(self.experiment, missing.into_iter(), options.stop, |row, took| {
+            time += took;
+            count += 1;
+            journal.append(&row)?;
+            rows.insert(row.run, row);
+            (options.progress)(rows.len() as u64, most);
+            Ok(())
+        });
+        let synced = self.journal.sync();
+        worked.and(synced).map(|()| (time, count))
+    }
+}

@@ -1,0 +1,149 @@
+//! A case: a scenario with its brains in which a requirement falls, or is kept least.
+
+use super::Worst;
+use super::shrink::Draft;
+use crate::design::Cell;
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::factor::{Level, Setting};
+use crate::pool::Workers;
+use crate::requirement::Fall;
+use crate::run_options::{RunOptions, quoted};
+use crate::run_record::{Ran, RunError, Task};
+use crate::sweep::Options;
+
+/// A scenario that fails, or comes nearest to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// The number of the run that it was made of.
+    pub run: u64,
+    /// The scenario.
+    pub toml: String,
+    /// The brains, as for `--brain`.
+    pub brains: Vec<String>,
+    /// The parameters of programs, as for `--parameter`.
+    pub parameters: Vec<String>,
+    /// What differs from the experiment's scenario, as for `--set`.
+    pub changes: Vec<String>,
+    /// The requirement, as for `--require`.
+    pub requirement: String,
+    /// The name of the robot.
+    pub robot: String,
+    /// How the requirement falls.
+    pub fall: Fall,
+    /// The fingerprint of the final state.
+    pub hash: u64,
+    /// What happened, in a sentence.
+    pub account: String,
+    /// The number of runs that it took to make the case plain.
+    pub trials: u64,
+}
+
+impl Case {
+    /// The options of `baudbot run` besides the scenario.
+    pub fn options(&self) -> Vec<String> {
+        let option = |name: &'static str| move |text: &String| [name.to_owned(), text.clone()];
+        let brains = self.brains.iter().flat_map(option("--brain"));
+        let all = brains.chain(self.parameters.iter().flat_map(option("--parameter")));
+        all.chain(["--require".to_owned(), self.requirement.clone()]).collect()
+    }
+
+    /// The command that does the run again, for a scenario in this file.
+    pub fn command(&self, file: &str) -> String {
+        let words = self.options();
+        let words = words.iter().map(|word| if word.starts_with("--") { word.clone() } else { quoted(word) });
+        format!("baudbot run {file} {}", words.collect::<Vec<_>>().join(" "))
+    }
+}
+
+/// The case of the worst run: made as plain as it can be if the robot fails in it; `None` if there is no run, or it was stopped.
+pub(super) fn worst_case(
+    experiment: &Experiment,
+    worst: &Worst,
+    options: &Options<'_>,
+    name: &str,
+) -> Result<Option<Case>, Error> {
+    let Some(tried) = worst.worst.first() else { return Ok(None) };
+    let RunOptions { brains, parameters, sets } = RunOptions::new(experiment, &tried.task.cell.levels);
+    let base =
+        experiment.text.parse().map_err(|error: toml_edit::TomlError| Error::Syntax(error.to_string()))?;
+    let seconds = experiment.seconds.map(|seconds| format!("end.after_s={seconds:?}"));
+    let sets = seconds.into_iter().chain(sets).chain([format!("seed={}", tried.task.seed)]).collect();
+    let court = Court { experiment, options, name, brains, parameters };
+    let mut draft = Draft::new(base, sets);
+    let Some(ran) = court.run(&draft.toml()?)? else { return Ok(None) };
+    let mut trials = 1;
+    let mut ran = ran.map_err(|error| {
+        Error::Refused(format!("the worst run, {}, cannot be done again: {error}", tried.task.run))
+    })?;
+    if ran.hash != tried.hash {
+        return Err(Error::Refused(format!(
+            "the worst run, {}, ended with the state {:016x}, and done again with {:016x}: the brain is not deterministic, so what was \
+             found says nothing; does it use the wall clock, or random numbers of its own?",
+            tried.task.run, tried.hash, ran.hash
+        )));
+    }
+    if !tried.fall.holds {
+        match draft.shrink(&court, ran, &mut trials)? {
+            Some(plain) => ran = plain,
+            None => return Ok(None),
+        }
+    }
+    court.case(tried.task.run, &draft, &ran, trials).map(Some)
+}
+
+/// The place where drafts are tried.
+pub(super) struct Court<'a> {
+    experiment: &'a Experiment,
+    options: &'a Options<'a>,
+    name: &'a str,
+    brains: Vec<String>,
+    parameters: Vec<String>,
+}
+
+impl Court<'_> {
+    /// A run of a scenario with the brains of the case; `None` if it was stopped.
+    pub(super) fn run(&self, toml: &str) -> Result<Option<Result<Ran, RunError>>, Error> {
+        let mut experiment = self.experiment.clone();
+        experiment.seconds = None;
+        toml.clone_into(&mut experiment.text);
+        self.brains.clone_into(&mut experiment.brains);
+        let parameters = self.parameters.iter().filter_map(|text| text.split_once('='));
+        let parameter = |(name, value): (&str, &str)| Setting::Parameter {
+            name: name.to_owned(),
+            value: value.to_owned(),
+        };
+        let settings = parameters.map(parameter).collect();
+        let level = Level { name: String::new(), number: None, settings };
+        let seed = baudbot_scenario::parse(toml).map_or(1, |scenario| scenario.seed);
+        let task = Task { run: 0, cell: Cell { number: 0, levels: vec![level] }, seed };
+        let workers = Workers { place: self.options.place.clone(), jobs: 1, name: self.name.to_owned() };
+        let mut ran = None;
+        workers.work(&experiment, [task].into_iter(), self.options.stop, |row, _| {
+            ran = Some(row.outcome);
+            Ok(())
+        })?;
+        Ok(ran)
+    }
+
+    fn case(&self, run: u64, draft: &Draft, ran: &Ran, trials: u64) -> Result<Case, Error> {
+        let toml = draft.toml()?;
+        let scenario = baudbot_scenario::parse(&toml).map_err(|error| Error::Refused(error.to_string()))?;
+        let fall = ran.fall.ok_or_else(|| Error::Refused("nothing is required of the run".to_owned()))?;
+        let demand = &self.experiment.requirements[fall.requirement as usize];
+        let spec = &scenario.robots[fall.robot as usize];
+        Ok(Case {
+            run,
+            brains: self.brains.clone(),
+            parameters: self.parameters.clone(),
+            changes: draft.changes(),
+            requirement: demand.to_string(),
+            robot: spec.name.clone(),
+            account: super::report::account(demand, spec, ran, &fall),
+            toml,
+            fall,
+            hash: ran.hash,
+            trials,
+        })
+    }
+}

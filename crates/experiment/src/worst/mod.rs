@@ -1,0 +1,326 @@
+//! The worst run: the values, the seed and the instant at which a brain comes nearest to a failure, or fails.
+//!
+//! `plan` is what the file says of it, thought through; `search` says which runs come next, batch by batch. Runs are numbered, so the
+//! journal of a sweep is that of a search, too. `shrink` makes of the worst run the plainest scenario that still fails, and `report` tells
+//! what was found. `splitting` estimates how likely a failure is that no run of a search would show.
+
+mod case;
+mod document;
+mod plan;
+mod report;
+mod search;
+mod shrink;
+mod splitting;
+mod trial;
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use baudbot_run::in_process::InProcess;
+use baudbot_sim::random::Stream;
+
+pub use case::Case;
+pub use splitting::Likelihood;
+pub use trial::trial;
+
+use crate::batches::Batches;
+use crate::check::check;
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::hunt::Hunt;
+use crate::merge::{Gathered, gather};
+use crate::outputs::Folder;
+use crate::raw::Strategy;
+use crate::requirement::{Demands, Fall, Judge};
+use crate::resumed;
+use crate::run_record::{Row, Task};
+use crate::setup::Setup;
+use crate::shard::Shard;
+use crate::sweep::{self, Options};
+use plan::Plan;
+use search::Search;
+use splitting::{Approach, Extent, Lineage};
+
+/// The extent of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// The number of runs; the same number gives the same runs on any machine.
+    pub runs: Option<u64>,
+    /// The time by the wall clock after which no batch of runs begins any more.
+    pub within: Option<Duration>,
+    /// The search is over as soon as a run has failed.
+    pub first: bool,
+}
+
+/// The result of a search.
+#[derive(Debug)]
+pub struct Worst {
+    /// The search was stopped before its end: there is a journal, and nothing else.
+    pub interrupted: bool,
+    /// What was required.
+    pub requirements: Demands,
+    /// The way in which it was searched.
+    pub strategy: Strategy,
+    /// The number of runs.
+    pub runs: u64,
+    /// Runs that did not keep to what is required.
+    pub fallen: u64,
+    /// Runs that could not be done.
+    pub failed: u64,
+    /// The first of their errors.
+    pub error: Option<String>,
+    /// The worst runs, the worst first.
+    pub worst: Vec<Trial>,
+    /// The plainest scenario that was found in which the robot fails.
+    pub case: Option<Case>,
+    /// How likely a failure is, by [`Strategy::Splitting`].
+    pub likelihood: Option<Likelihood>,
+    /// The files that were written.
+    pub files: Vec<PathBuf>,
+}
+
+/// A run that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The run with its values and its seed.
+    pub task: Task,
+    /// How it kept to what is required.
+    pub fall: Fall,
+    /// The fingerprint of its final state.
+    pub hash: u64,
+}
+
+/// Looks for the runs that come nearest to a failure, and writes the results.
+///
+/// # Errors
+/// If the experiment is invalid, the folder is another's, no run can be done, a file cannot be written or the server fails. What was run
+/// is in the journal.
+pub fn worst(experiment: &Experiment, options: &Options<'_>, limit: Limit) -> Result<Worst, Error> {
+    let plan = Plan::new(experiment)?;
+    check(&plan.experiment)?;
+    refuse_shards(plan.strategy, options.shard)?;
+    let folder = Folder::take(options.out)?;
+    let header = plan.header().of_shard(options.shard);
+    let mut journal = sweep::begin_journal(&folder, &header, options)?;
+    resumed::tell(&plan.experiment, &journal, None, options.tell);
+    if options.fresh {
+        report::remove(&folder)?;
+        sweep::keep_journal(&folder, &mut journal)?;
+    }
+    if plan.strategy == Strategy::Splitting {
+        return estimated(&plan, options, limit, &folder);
+    }
+    let batches = Batches::new(&plan.experiment, options, &folder, &mut journal)?;
+    let mut worst = Hunter { plan: &plan, options, limit, batches }.search()?;
+    if worst.interrupted || options.shard.is_some() {
+        return Ok(worst);
+    }
+    if worst.worst.is_empty()
+        && let Some(error) = &worst.error
+    {
+        return Err(Error::Refused(format!("none of {} runs could be done: {error}", worst.runs)));
+    }
+    let name = sweep::world_name(folder.id(), options.out);
+    worst.case = case::worst_case(&plan.experiment, &worst, options, &name)?;
+    worst.interrupted = options.stop.load(Ordering::Relaxed);
+    if !worst.interrupted {
+        report::write(&mut worst, &plan.experiment, &folder)?;
+    }
+    Ok(worst)
+}
+
+/// The likelihood of a failure, in place of a search. It has no journal.
+fn estimated(plan: &Plan, options: &Options<'_>, limit: Limit, folder: &Folder) -> Result<Worst, Error> {
+    if limit.runs.is_some_and(|_| limit.within.is_some()) || limit.first {
+        return Err(Error::Refused(
+            "--within and --first are for searches; the extent of `splitting` is that of particles and repeats in [worst]".to_owned(),
+        ));
+    }
+    let Hunt { particles, repeats, seed, .. } = plan.experiment.hunt;
+    let extent = Extent { particles, repeats, seed, jobs: options.jobs };
+    let each = |runs| (options.progress)(runs, 0);
+    let mut worst = Worst::new(plan);
+    worst.likelihood = splitting::estimate(extent, options.stop, &each, &|lineage| approach(plan, lineage))?;
+    worst.interrupted = worst.likelihood.is_none();
+    if let Some(likelihood) = &worst.likelihood {
+        worst.runs = likelihood.runs;
+        worst.fallen = u64::from(likelihood.probability > 0.0);
+        report::write(&mut worst, &plan.experiment, folder)?;
+    }
+    Ok(worst)
+}
+
+/// The way of a run with these seeds towards a failure.
+fn approach(plan: &Plan, lineage: &Lineage) -> Result<Approach, Error> {
+    let refused = |error: &dyn std::fmt::Display| Error::Refused(format!("seed {}: {error}", lineage.seed));
+    let mut stream = Stream::new(lineage.seed, "worst/point");
+    let point: Vec<_> = plan.experiment.fields.iter().map(|_| stream.uniform()).collect();
+    let task = Task { seed: lineage.seed, ..plan.task(0, &point) };
+    let Setup { scenario, assigned } =
+        Setup::new(&plan.experiment, &task).map_err(|error| refused(&error))?;
+    let mut local =
+        InProcess::with_assignments(scenario, &assigned.brains).map_err(|error| refused(&error))?;
+    local.world.keep_timeline(0);
+    let mut judge = Judge::new(plan.experiment.requirements.clone());
+    let (mut approach, mut turns) = (Approach::new(), lineage.turns.iter().peekable());
+    while local.world.ending().is_none() && approach.last().is_none_or(|(_, near)| near.is_finite()) {
+        if let Some((_, seed)) = turns.next_if(|(tick, _)| *tick == local.world.tick()) {
+            local.world.reseed(*seed);
+        }
+        local.tick(|world| judge.see(world));
+        let tick = local.world.tick() - 1;
+        let near =
+            judge.fall().map_err(|error| refused(&error))?.map_or(f64::NEG_INFINITY, |fall| {
+                match fall.holds {
+                    true => -fall.robustness,
+                    false => f64::INFINITY,
+                }
+            });
+        if approach.last().is_none_or(|(_, nearest)| near > *nearest) {
+            approach.push((tick, near));
+        }
+    }
+    Ok(approach)
+}
+
+/// The same of the journals of shards, of which together there must be as many runs as are wanted.
+///
+/// # Errors
+/// As [`worst`]; also if a source has no journal of this search, runs are missing, or two journals differ about one.
+pub fn merge_worst(
+    experiment: &Experiment,
+    sources: &[PathBuf],
+    options: &Options<'_>,
+    limit: Limit,
+) -> Result<Worst, Error> {
+    let plan = Plan::new(experiment)?;
+    let Some(runs) = limit.runs else {
+        return Err(Error::Refused(
+            "--merge: give the number of runs that the shards did together, with --runs".to_owned(),
+        ));
+    };
+    match gather(&plan.header(), runs, sources, options)? {
+        Gathered::Missing(missing) => {
+            let shards: Vec<_> =
+                missing.shards.iter().filter_map(|shard| Some(shard.shard?.to_string())).collect();
+            let which = if shards.is_empty() {
+                String::new()
+            } else {
+                format!(", of the shards {}", shards.join(", "))
+            };
+            Err(Error::Refused(format!(
+                "{} of {runs} runs are missing{which}, so nothing was written; do them with --shard and the same --runs",
+                missing.runs
+            )))
+        }
+        Gathered::Whole { folder, mut journal, .. } => {
+            if options.fresh {
+                report::remove(&folder)?;
+                sweep::keep_journal(&folder, &mut journal)?;
+            }
+            drop((folder, journal));
+            worst(experiment, &Options { fresh: false, place: options.place.clone(), ..*options }, limit)
+        }
+    }
+}
+
+fn refuse_shards(strategy: Strategy, shard: Option<Shard>) -> Result<(), Error> {
+    match (strategy, shard) {
+        (Strategy::Random, _) | (_, None) => Ok(()),
+        (Strategy::CmaEs | Strategy::Splitting, Some(_)) => Err(Error::Refused(
+            "--shard: only the method `random` has shards, as others depend on the results of the runs before; write \
+             [worst] method = \"random\""
+                .to_owned(),
+        )),
+    }
+}
+
+struct Hunter<'a> {
+    plan: &'a Plan,
+    options: &'a Options<'a>,
+    limit: Limit,
+    batches: Batches<'a>,
+}
+
+impl Hunter<'_> {
+    fn search(&mut self) -> Result<Worst, Error> {
+        let (begun, plan) = (Instant::now(), self.plan);
+        let mut search = Search::new(plan.strategy, plan.experiment.hunt.seed, plan.experiment.fields.len());
+        let mut worst = Worst::new(plan);
+        let most = self.limit.runs.unwrap_or(u64::MAX);
+        let mut next = 0;
+        while next < most && !self.is_over(begun) {
+            let mut points = search.next()?;
+            points.truncate(usize::try_from(most - next).unwrap_or(usize::MAX));
+            let tasks: Vec<_> = (next..).zip(&points).map(|(run, point)| plan.task(run, point)).collect();
+            let own = self.options.shard.unwrap_or(Shard::WHOLE);
+            let tasks: Vec<_> =
+                tasks.into_iter().filter(|task| Shard::of(task.run, own.count()) == own).collect();
+            self.batches.run(tasks.clone(), self.limit.runs.unwrap_or(0))?;
+            next += points.len() as u64;
+            let mut costs = Vec::new();
+            for task in tasks {
+                let Some(row) = self.batches.rows.get(&task.run) else {
+                    worst.interrupted = true;
+                    return Ok(worst);
+                };
+                costs.push(worst.note(task, row));
+            }
+            search.tell(&points, costs);
+            if self.limit.first && worst.fallen > 0 {
+                break;
+            }
+        }
+        Ok(worst)
+    }
+
+    fn is_over(&self, begun: Instant) -> bool {
+        self.limit.within.is_some_and(|within| begun.elapsed() >= within)
+    }
+}
+
+impl Worst {
+    fn new(plan: &Plan) -> Self {
+        Self {
+            interrupted: false,
+            requirements: plan.experiment.requirements.clone(),
+            strategy: plan.strategy,
+            runs: 0,
+            fallen: 0,
+            failed: 0,
+            error: None,
+            worst: Vec::new(),
+            case: None,
+            likelihood: None,
+            files: Vec::new(),
+        }
+    }
+
+    /// Counts a run. Its cost is its robustness; a run that could not be done is no failure of the brain.
+    fn note(&mut self, task: Task, row: &Row) -> f64 {
+        self.runs += 1;
+        let ran = match &row.outcome {
+            Ok(ran) => ran,
+            Err(error) => {
+                self.failed += 1;
+                self.error.get_or_insert_with(|| format!("run {}: {error}", row.run));
+                return NO_COST;
+            }
+        };
+        let Some(fall) = ran.fall else { return NO_COST };
+        self.fallen += u64::from(!fall.holds);
+        let place = self.worst.partition_point(|other| other.fall.order(&fall).is_le());
+        if place < MOST_SHOWN {
+            self.worst.insert(place, Trial { task, fall, hash: ran.hash });
+            self.worst.truncate(MOST_SHOWN);
+        }
+        fall.robustness
+    }
+}
+
+/// Worse than nothing: more robust than any run is.
+const NO_COST: f64 = 2e300;
+
+/// The number of runs that are shown.
+const MOST_SHOWN: usize = 10;
