@@ -1,4 +1,4 @@
-//! Experiments: many runs on all cores, as the commands `sweep` and `tune` do them.
+//! Experiments: many runs on all cores, as the commands `sweep`, `tune` and `worst` do them.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -10,7 +10,8 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use baudbot_experiment::{
-    Error, Experiment, Merged, Missing, Options, Packed, Place, ReadError, Seeds, Shard, ShardError,
+    Error, Experiment, Limit, Merged, Missing, Options, Packed, Place, ReadError, Seeds, Shard, ShardError,
+    trial,
 };
 use pyo3::prelude::*;
 
@@ -112,6 +113,51 @@ pub(crate) fn tune(
         let tuned = baudbot_experiment::tune(experiment, options)?;
         Ok((tuned.json(experiment).to_string(), tuned.files.clone(), tuned.interrupted))
     })
+}
+
+/// Looks for the worst runs of an experiment; see [`sweep`]. At most so many `runs`, none of which begins after so many seconds.
+#[pyfunction]
+#[pyo3(signature = (experiment, out, seeds, jobs, fresh, progress, runs, within_s, first))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the interpreter is one of them, and a Python module passes the others"
+)]
+pub(crate) fn worst(
+    py: Python<'_>,
+    experiment: Given,
+    out: PathBuf,
+    seeds: Option<String>,
+    jobs: usize,
+    fresh: bool,
+    progress: Option<Py<PyAny>>,
+    runs: Option<u64>,
+    within_s: Option<f64>,
+    first: bool,
+) -> PyResult<Done> {
+    let within = within_s.map(Duration::try_from_secs_f64).transpose();
+    let within =
+        within.map_err(|error| invalid(py, &format!("within_s: {error}"), Some("within_s".to_owned())))?;
+    let asked = Asked { experiment, out, seeds, jobs, fresh, shard: None };
+    work(py, asked, progress.as_ref(), move |experiment, options| {
+        let worst = baudbot_experiment::worst(experiment, options, Limit { runs, within, first })?;
+        Ok((worst.json(experiment).to_string(), worst.files.clone(), worst.interrupted))
+    })
+}
+
+/// A run of an experiment with these values of its fields and this seed: how it keeps to what is required, as JSON.
+#[pyfunction]
+pub(crate) fn cost(
+    py: Python<'_>,
+    file: PathBuf,
+    values: BTreeMap<String, f64>,
+    seed: u64,
+) -> PyResult<String> {
+    let run = move || -> Result<String, Problem> {
+        let experiment = Experiment::read(&file).map_err(of_reading)?;
+        let tried = trial(&experiment, &values, seed).map_err(|error| (error.to_string(), error.path()))?;
+        Ok(tried.to_string())
+    };
+    apart(py, run)?.map_err(|(text, path)| invalid(py, &text, path))
 }
 
 /// An experiment for other machines, and how many runs it has.

@@ -76,6 +76,8 @@ class Arguments(unittest.TestCase):
             "baudbot.sweep": (lambda: baudbot.sweep, runs),
             "baudbot.runs": (lambda: baudbot.runs, runs),
             "baudbot.tune": (lambda: baudbot.tune, {**runs, "experiment": "tune.toml"}),
+            "baudbot.worst": (lambda: baudbot.worst, {**runs, "runs": 2, "within_s": 60.0, "first": True}),
+            "baudbot.cost": (lambda: baudbot.cost, {"experiment": "short.toml", "values": {"baud": 2400}, "seed": 1}),
             "baudbot.replay": (lambda: baudbot.replay, {"recording": "run.mcap"}),
             "baudbot.compare": (lambda: baudbot.compare, {"one": "run.mcap", "other": "run.mcap"}),
             "baudbot.open": (lambda: baudbot.open, {"path": "run.mcap"}),

@@ -188,5 +188,23 @@ class Tunings(unittest.TestCase):
             self.assertEqual(len(told["frame"]), told["candidates"] + 1)
 
 
+class Searches(unittest.TestCase):
+    def test_the_worst_run_costs_what_it_is_told_to(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            experiment = Path(folder) / "near.toml"
+            ranges = EXPERIMENT.replace("values = [2400, 9600]", "from = 1200.0\nto = 9600.0\nwhole = true")
+            experiment.write_text(ranges + "[require]\nalways = \"clearance_m > 0.3\"\n")
+            told = baudbot.worst(experiment, out=Path(folder) / "out", runs=20)
+            self.assertEqual(told["runs"], 20)
+            run = told["worst"][0]
+            cost = baudbot.cost(experiment, {"baud": float(run["values"]["baud"])}, seed=run["seed"])
+            self.assertEqual((cost["robustness"], cost["state_hash"]), (run["robustness"], run["state_hash"]))
+            self.assertTrue((Path(folder) / "out" / "worst.toml").exists())
+            with self.assertRaisesRegex(baudbot.Invalid, "values.baud: must be from 1200 to 9600, is 3"):
+                baudbot.cost(experiment, {"baud": 3.0})
+            with self.assertRaisesRegex(baudbot.Invalid, "there is no field `bauds`; there is only `baud`"):
+                baudbot.cost(experiment, {"bauds": 2400.0})
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
@@ -20,6 +20,10 @@ Progress = Callable[[int, int], object]
 
 #: Each has a thread.
 MOST_JOBS = 1024
+#: Runs of a search.
+MOST_RUNS = 10_000_000
+USUAL_RUNS = 1000
+MOST_SEED = 2**63 - 1
 
 
 class Runs:
@@ -101,6 +105,43 @@ def tune(
     told: dict[str, Any] = json.loads(done(_native.tune(experiment, folder, *options), folder))
     table = folder / "candidates.csv"
     return {**told, "frame": _frame(table)} if table.exists() else told
+
+
+def worst(
+    experiment: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    seeds: str | int | None = None,
+    jobs: int | None = None,
+    fresh: bool = False,
+    progress: Progress | None = None,
+    runs: int | None = None,
+    within_s: float | None = None,
+    first: bool = False,
+) -> dict[str, Any]:
+    """Looks for the runs that come nearest to a failure: what `baudbot worst --json` tells.
+
+    It does `runs` runs (1,000 if `within_s` is not given either), and begins none after `within_s` seconds by the wall clock; with `first`
+    it ends as soon as one fails. The scenario of the worst run is `worst.toml` in the folder `out`.
+    """
+    experiment, folder = folder_of(experiment, out, "worst")
+    options = seeds_text(seeds), _jobs(jobs), _given.flag(fresh, "fresh"), given_progress(progress)
+    if runs is not None:
+        runs = _given.whole(runs, "runs", 1, MOST_RUNS, "number of runs")
+    if within_s is not None:
+        within_s = _given.number(within_s, "within_s")
+    extent = USUAL_RUNS if runs is None and within_s is None else runs, within_s, _given.flag(first, "first")
+    told: dict[str, Any] = json.loads(done(_native.worst(experiment, folder, *options, *extent), folder))
+    return told
+
+
+def cost(experiment: str | os.PathLike[str], values: Mapping[str, float], *, seed: int = 1) -> dict[str, Any]:
+    """Does one run of an experiment, with these values of its fields by their labels, for an optimizer of your own: its `robustness`, which
+    is below 0 if it fails (`holds`), the instant that decides (`at_s`), and its `state_hash`."""
+    file = _given.path(experiment, "experiment")
+    numbers = {label: _given.number(value, "values") for label, value in _given.mapping(values, "values").items()}
+    told: dict[str, Any] = json.loads(_native.cost(file, numbers, _given.whole(seed, "seed", 0, MOST_SEED)))
+    return told
 
 
 def folder_of(experiment: object, out: object, ending: str) -> tuple[str, Path]:

@@ -21,6 +21,22 @@ pub(super) fn client(shell: &Shell) -> Result<(), Failure> {
     shell.run(of_all(shell, ["--quiet", "--lib", "--", "--ignored", "a_client_in_python_finds_the_same"]))
 }
 
+/// Robustness of requirements, by a library of temporal logic.
+pub(super) fn requirements(shell: &Shell) -> Result<(), Failure> {
+    let python = environment(
+        shell,
+        &shell.place.target.join("require-python"),
+        &["tests/require/requirements.txt"],
+        &["-r", "tests/require/requirements.txt"],
+    )?;
+    // As `built` has it, so that nothing is built twice.
+    let words =
+        ["build", "--quiet", "--workspace", "--all-features", "--bin", "baudbot", "--example", "soak"];
+    shell.run(shell.cargo(words.into_iter().chain(["--example", "robustness"])))?;
+    let example = shell.place.program().with_file_name("examples/robustness");
+    shell.run(script(shell, &python, &["tests/require/referee.py", &example.to_string_lossy()]))
+}
+
 /// The client's stubs, types and examples.
 pub(super) fn brains(shell: &Shell) -> Result<(), Failure> {
     let python = python(shell)?;

@@ -41,14 +41,14 @@ if TYPE_CHECKING:
     from ._errors import Busy, Closed, Invalid
     from .local import Picture, Readings, Snapshot, World
     from .recorded import Compared, Replayed, compare, replay
-    from ._runs import Runs, runs, sweep, tune
+    from ._runs import Runs, cost, runs, sweep, tune, worst
 
 #: What the package `baudbot` adds, and where.
 _ADDED = {
     **dict.fromkeys(("Busy", "Closed", "Invalid"), "_errors"),
     **dict.fromkeys(("Picture", "Readings", "Snapshot", "World"), "local"),
     **dict.fromkeys(("Compared", "Replayed", "compare", "replay"), "recorded"),
-    **dict.fromkeys(("Runs", "runs", "sweep", "tune"), "_runs"),
+    **dict.fromkeys(("Runs", "cost", "runs", "sweep", "tune", "worst"), "_runs"),
 }
 
 
