@@ -105,6 +105,7 @@ fn threads_wait_for_each_other_and_for_time() {
     expected.sort_by_key(|(at_ms, _)| *at_ms);
     let mut expected: Vec<String> = expected.into_iter().map(|(_, line)| line).collect();
     expected.push("-1 1 at 2039000000".to_owned());
+    expected.push("joined at 2040000000".to_owned());
     assert_eq!(outcome.lines(), expected);
     assert_eq!(outcome.report.tasks_at_most, 5);
 }

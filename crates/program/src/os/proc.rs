@@ -107,6 +107,6 @@ pub(crate) fn shared_memory(tid: i32, address: u64) -> Option<(u64, u64)> {
         let is_shared = words.next()?.ends_with('s');
         let offset = u64::from_str_radix(words.next()?, 16).ok()?;
         let file = words.nth(1)?.parse().ok()?;
-        (is_here && is_shared).then_some((file, offset + address - start))
+        (is_here && is_shared).then(|| (file, offset + (address - start)))
     })
 }

@@ -30,6 +30,11 @@ static void *worker(void *number) {
     return NULL;
 }
 
+static void *sleeper(void *unused) {
+    usleep(1000);
+    return NULL;
+}
+
 int main(void) {
     pthread_t threads[4];
     sem_init(&semaphore, 0, 0);
@@ -44,5 +49,8 @@ int main(void) {
     int answer = sem_timedwait(&semaphore, &until);
     for (int i = 0; i < 4; i++) pthread_join(threads[i], NULL);
     printf("%d %d at %lld\n", answer, errno == ETIMEDOUT, now());
+    pthread_create(&threads[0], NULL, sleeper, NULL);
+    pthread_join(threads[0], NULL);
+    printf("joined at %lld\n", now());
     return 0;
 }
