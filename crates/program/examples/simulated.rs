@@ -1,4 +1,4 @@
-//! Runs a program against toy machines in simulated time: `simulated [-u] [-m MACHINE] [-r RUNS] [-p NS] PROGRAM …`. Its port is
+//! Runs a program against toy machines in simulated time: `simulated [-u] [-t] [-m MACHINE] [-r RUNS] [-p NS] PROGRAM …`. Its port is
 //! /dev/ttySIM0. Prints, for each run, a hash of all that has happened at the port with its instants, and how fast it was.
 
 use std::collections::hash_map::DefaultHasher;
@@ -14,10 +14,12 @@ mod wire;
 
 fn main() {
     let mut words = std::env::args().skip(1).peekable();
-    let (mut machine, mut runs, mut price, mut is_unpinned) = (Machine::Lines, 1, Price::default(), false);
+    let (mut machine, mut runs, mut price) = (Machine::Lines, 1, Price::default());
+    let (mut is_unpinned, mut traps_clocks) = (false, false);
     while let Some(option) = words.next_if(|word| word.starts_with('-')) {
         match option.as_str() {
             "-u" => is_unpinned = true,
+            "-t" => traps_clocks = true,
             "-m" => {
                 machine = match words.next().as_deref() {
                     Some("create") => Machine::Create,
@@ -38,6 +40,7 @@ fn main() {
         ports: vec![Port { path: "/dev/ttySIM0".to_owned() }],
         price,
         is_unpinned,
+        traps_clocks,
         ..Program::default()
     };
     for _ in 0..runs {

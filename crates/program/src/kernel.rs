@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::cables::Cables;
+use crate::looks::Page;
 use crate::os::proc::{self, mask};
 use crate::os::trace::{self, Registers};
 use crate::program::Price;
@@ -29,6 +30,10 @@ pub(crate) struct Kernel {
     pub(crate) ports: Vec<Tty>,
     pub(crate) random: Random,
     pub(crate) price: Price,
+    /// Clocks are calls, although our vDSO could tell them.
+    pub(crate) traps_clocks: bool,
+    /// The page of the task that has run last.
+    pub(crate) page: Option<Page>,
     pub(crate) report: Report,
     /// Counts what may end a wait.
     pub(crate) progress: u64,
@@ -96,9 +101,9 @@ impl Kernel {
     }
 
     /// A new task.
-    pub(crate) fn add_task(&mut self, tid: i32, scratch: u64, registers: Registers) {
+    pub(crate) fn add_task(&mut self, tid: i32, scratch: u64, page: Option<u64>, registers: Registers) {
         let process = proc::process(tid).unwrap_or(tid);
-        self.tasks.push(Task::new(tid, process, self.report.tasks, scratch, registers));
+        self.tasks.push(Task { page, ..Task::new(tid, process, self.report.tasks, scratch, registers) });
         self.report.tasks += 1;
         self.report.tasks_at_most = self.report.tasks_at_most.max(self.tasks.len());
         self.progress += 1;

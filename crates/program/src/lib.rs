@@ -1,7 +1,7 @@
 //! Runs somebody else's unmodified program (C, Python, Go, …) in simulated time, with simulated serial ports: Linux on x86-64.
 //!
 //! A program is traced (ptrace) from its first instruction on, and a filter (seccomp) stops it at the calls that wait or tell the time.
-//! The vDSO is hidden from it and the processor's counter trapped, so that it knows no time but ours. One task (thread or process) runs
+//! Its vDSO tells our time and the processor's counter is trapped, so that it knows no other. One task (thread or process) runs
 //! at a time, in a fixed order, until it waits; time passes only when all of them wait. So the same program with the same bytes at the
 //! same instants does the same, on whatever machine, and as fast as that can.
 //!
@@ -37,6 +37,8 @@ mod kernel;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod launch;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod looks;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod names;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod os;
@@ -53,5 +55,7 @@ mod session;
 mod task;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod tty;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod vdso;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod watch;

@@ -29,6 +29,9 @@ pub struct Program {
     /// Whether the thread that runs the session may move between processors. It is then several times slower, with the same results.
     /// Else it stays on one while it has a session, and so do threads that it starts meanwhile.
     pub is_unpinned: bool,
+    /// Whether each look at a clock stops the program, as it does where the system does not let us change its vDSO. It is then several
+    /// times slower, with the same results.
+    pub traps_clocks: bool,
 }
 
 /// A serial port that the program sees.

@@ -17,6 +17,8 @@ pub struct Report {
     pub tasks: u32,
     /// Reads of the processor's counter (`rdtsc`), which were answered from simulated time.
     pub counter_reads: u64,
+    /// Programs that were started with a vDSO that could not be changed: they are slower, with the same results.
+    pub trapped: u32,
 }
 
 /// A task that waits.

@@ -132,16 +132,28 @@ impl Schedule {
 
     /// Lets a task go on to its next stop.
     pub(crate) fn step(&mut self, place: usize, how: Resume) -> Result<Stop, Error> {
+        if how == Resume::Free {
+            self.kernel.write_page(place);
+        }
         let task = &mut self.kernel.tasks[place];
         let signal = std::mem::take(&mut task.signal);
         trace::resume(task.tid, how, signal).map_err(|source| task.failure("letting it go on", source))?;
-        self.wait(place)
+        let stop = self.wait(place)?;
+        match stop {
+            // Its memory is another, or no more.
+            Stop::Exec | Stop::Exit(_) | Stop::Death(_) => self.kernel.page = None,
+            Stop::Return => {}
+            Stop::Entry | Stop::Birth(_) | Stop::BorrowingBirth(_) | Stop::MemoryBack | Stop::Signal(_) => {
+                self.kernel.count_looks(place);
+            }
+        }
+        Ok(stop)
     }
 
     /// Waits for a task's next stop.
     pub(crate) fn wait(&mut self, place: usize) -> Result<Stop, Error> {
         let task = &self.kernel.tasks[place];
-        self.watch.begin(task.process, task.tid);
+        self.watch.begin(task);
         let stop = trace::wait(task.tid);
         self.watch.end();
         self.kernel.report.stops += 1;
@@ -189,10 +201,7 @@ impl Schedule {
         let task = &mut self.kernel.tasks[place];
         let entry =
             trace::registers(task.tid).map_err(|source| task.failure("reading its registers", source))?;
-        task.interrupted = None;
-        if task.waits_since_ns.take().is_some_and(|since_ns| since_ns < now_ns) {
-            (task.looks, task.calls) = (0, 0);
-        }
+        task.begin_call(now_ns);
         task.call.entry = entry;
         if task.call.again.is_none() {
             task.call.began_ns = now_ns;
@@ -275,19 +284,20 @@ impl Schedule {
         let failed = |source| parent.failure("following its child", source);
         trace::wait(child).map_err(failed)?;
         let registers = trace::registers(child).map_err(failed)?;
-        let scratch = parent.scratch;
-        self.kernel.add_task(child, scratch, registers);
+        let (scratch, page) = (parent.scratch, parent.page);
+        self.kernel.add_task(child, scratch, page, registers);
         Ok(())
     }
 
     /// A task runs another program from here on.
     fn begin_image(&mut self, place: usize, cables: &mut dyn Cables) -> Result<Next, Error> {
         let kernel = &mut self.kernel;
-        let task = &mut kernel.tasks[place];
+        let task = &kernel.tasks[place];
         let failed =
             |source| Error::Tracer { program: "exec".to_owned(), step: "reading its registers", source };
         let registers = trace::registers(task.tid).map_err(failed)?;
-        image::prepare(task, registers, &mut kernel.random)?;
+        image::prepare(kernel, place, registers)?;
+        let task = &mut kernel.tasks[place];
         task.complete();
         let tid = task.tid;
         kernel.close_ports(cables);

@@ -63,6 +63,8 @@ impl Session {
             ports,
             random: Random::new(program.seed),
             price: program.price,
+            traps_clocks: program.traps_clocks,
+            page: None,
             report: Report::default(),
             progress: 0,
             has_signals: false,
@@ -78,8 +80,8 @@ impl Session {
         };
         let registers = trace::registers(root).map_err(|source| start_error(program, source))?;
         let kernel = &mut session.schedule.kernel;
-        kernel.add_task(root, 0, registers);
-        image::prepare(&mut kernel.tasks[0], registers, &mut kernel.random)?;
+        kernel.add_task(root, 0, None, registers);
+        image::prepare(kernel, 0, registers)?;
         Ok(session)
     }
 

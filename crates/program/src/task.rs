@@ -16,6 +16,8 @@ pub(crate) struct Task {
     pub(crate) number: u32,
     /// A place in its memory that is ours: `SCRATCH` bytes.
     pub(crate) scratch: u64,
+    /// The page of its clocks, in that place, if its vDSO is ours.
+    pub(crate) page: Option<u64>,
     /// The thing that it does.
     pub(crate) activity: Activity,
     /// The call that it is in, or was in last.
@@ -36,7 +38,7 @@ pub(crate) struct Task {
     pub(crate) charged_ns: u64,
 }
 
-/// Bytes of a task's scratch memory.
+/// Bytes of a task's scratch memory. The last of them are the page of its clocks.
 pub(crate) const SCRATCH: u64 = 8192;
 
 /// The doings of a task.
@@ -139,6 +141,7 @@ impl Task {
             process,
             number,
             scratch,
+            page: None,
             activity: Activity::Running,
             call,
             after: None,
@@ -149,6 +152,20 @@ impl Task {
             calls: 0,
             charged_ns: 0,
         }
+    }
+
+    /// Whether time has passed while it waited, and it has made no call since.
+    pub(crate) fn has_waited(&self, now_ns: u64) -> bool {
+        self.waits_since_ns.is_some_and(|since_ns| since_ns < now_ns)
+    }
+
+    /// A call begins: what came before has its consequences.
+    pub(crate) fn begin_call(&mut self, now_ns: u64) {
+        self.interrupted = None;
+        if self.has_waited(now_ns) {
+            (self.looks, self.calls) = (0, 0);
+        }
+        self.waits_since_ns = None;
     }
 
     /// The number of the call that it is in.

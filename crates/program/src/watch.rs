@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use crate::os::{proc, trace};
+use crate::os::{memory, proc, trace};
 use crate::program::Patience;
+use crate::task::Task;
 
 /// The time between two looks.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -33,6 +34,8 @@ struct Shared {
     process: AtomicI32,
     /// The task that is waited for; 0: none.
     tid: AtomicI32,
+    /// The address at which it counts its looks at clocks; 0: nowhere.
+    page: AtomicU64,
     /// A number for each wait.
     round: AtomicU64,
     is_over: AtomicBool,
@@ -47,10 +50,11 @@ impl Watch {
     }
 
     /// From now on, this task is waited for.
-    pub(crate) fn begin(&self, process: i32, tid: i32) {
-        self.shared.process.store(process, Ordering::Relaxed);
+    pub(crate) fn begin(&self, task: &Task) {
+        self.shared.process.store(task.process, Ordering::Relaxed);
+        self.shared.page.store(task.page.unwrap_or(0), Ordering::Relaxed);
         self.shared.round.fetch_add(1, Ordering::Relaxed);
-        self.shared.tid.store(tid, Ordering::Release);
+        self.shared.tid.store(task.tid, Ordering::Release);
     }
 
     /// It has stopped.
@@ -75,11 +79,14 @@ impl Drop for Watch {
 }
 
 fn watch(shared: &Shared, patience: Patience) {
-    let mut seen = (0, Instant::now(), 0);
+    let mut seen = ((0, [0; 8]), Instant::now(), 0);
     while !shared.is_over.load(Ordering::Acquire) {
         thread::park_timeout(PERIOD);
         let tid = shared.tid.load(Ordering::Acquire);
-        let round = shared.round.load(Ordering::Relaxed);
+        // A look at a clock is a call, too.
+        let mut looks = [0; 8];
+        let _ = memory::read(tid, shared.page.load(Ordering::Relaxed), &mut looks);
+        let round = (shared.round.load(Ordering::Relaxed), looks);
         let Some((state, computed_ns)) = (tid != 0).then(|| proc::activity(tid)).flatten() else { continue };
         if seen.0 != round {
             seen = (round, Instant::now(), computed_ns);

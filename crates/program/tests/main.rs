@@ -5,6 +5,7 @@
 mod harness;
 mod instants;
 mod limits;
+mod looks;
 // The example `simulated` has more machines.
 #[allow(dead_code)]
 mod wire;

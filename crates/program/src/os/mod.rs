@@ -2,6 +2,8 @@
 
 #[allow(unsafe_code)]
 pub(crate) mod affinity;
+#[allow(unsafe_code)]
+pub(crate) mod clocks;
 pub(crate) mod filter;
 #[allow(unsafe_code)]
 pub(crate) mod memory;

@@ -8,12 +8,17 @@
 #include <sys/socket.h>
 #include <sys/timerfd.h>
 #include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 int main(int count, char **words) {
     int ends[2];
     char byte;
     if (!strcmp(words[1], "spin")) for (volatile int i = 0;; i++) {}
+    if (!strcmp(words[1], "compute")) {
+        for (int i = 0; i < 10; i++, time(NULL)) for (volatile int j = 0; j < 60000000; j++) {}
+        return 0;
+    }
     if (!strcmp(words[1], "deadlock")) {
         pipe(ends);
         read(ends[0], &byte, 1);

@@ -1,0 +1,43 @@
+//! Looks at clocks that a task makes by our code in its own process: how many are left to it, and how many it has made. Each counts as
+//! one that stops it does; a task for which the next one has a price stops.
+
+use crate::kernel::{EPOCH_NS, Kernel, UPTIME_NS};
+use crate::os::{clocks, memory};
+
+/// The content of the page of the task that has run last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Page {
+    /// The task's number.
+    task: u32,
+    now_ns: u64,
+    looks_left: i64,
+}
+
+impl Kernel {
+    /// Before a task goes on: the instant, and the looks that it may make unseen.
+    pub(crate) fn write_page(&mut self, task: usize) {
+        let caller = &self.tasks[task];
+        let Some(place) = caller.page else { return };
+        let looks = if caller.has_waited(self.now_ns) { 0 } else { caller.looks };
+        let looks_left = i64::try_from(self.price.free_looks.saturating_sub(looks)).unwrap_or(i64::MAX);
+        let page = Page { task: caller.number, now_ns: self.now_ns, looks_left };
+        if self.page != Some(page) {
+            let bytes = clocks::page(looks_left, EPOCH_NS + self.now_ns, UPTIME_NS + self.now_ns);
+            // A task that has been killed meanwhile has no memory.
+            self.page = memory::write(caller.tid, place, &bytes).is_ok().then_some(page);
+        }
+    }
+
+    /// At its next stop: the looks that it has made since.
+    pub(crate) fn count_looks(&mut self, task: usize) {
+        let caller = &mut self.tasks[task];
+        let (Some(place), Some(page)) = (caller.page, &mut self.page) else { return };
+        let Ok(looks_left) = caller.read_u64(place) else { return };
+        let made = page.looks_left - looks_left.cast_signed();
+        page.looks_left = looks_left.cast_signed();
+        if made > 0 {
+            caller.begin_call(self.now_ns);
+            caller.looks += made.unsigned_abs();
+        }
+    }
+}
