@@ -26,6 +26,7 @@ impl Schedule {
             while !matches!(self.step(place, Resume::Free)?, Stop::Exit(_) | Stop::Death(_)) {}
             self.kernel.tasks.remove(place);
         }
+        self.kernel.files.forget_all();
         self.kernel.recheck_futexes();
         self.kernel.progress += 1;
         Ok(Next::Leave)
@@ -76,6 +77,7 @@ impl Schedule {
         self.kernel.alarms.retain(|alarm| alarm.process != process);
         self.kernel.has_signals = true;
         self.kernel.progress += 1;
+        self.kernel.files.forget_all();
         self.kernel.recheck_futexes();
         self.kernel.close_ports(cables);
         self.take_memory_back(process)

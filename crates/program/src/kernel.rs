@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::cables::Cables;
+use crate::files::Files;
 use crate::looks::Page;
 use crate::os::proc::{self, mask};
 use crate::os::trace::{self, Registers};
@@ -28,6 +29,7 @@ pub(crate) struct Kernel {
     /// In the order of creation.
     pub(crate) tasks: Vec<Task>,
     pub(crate) ports: Vec<Tty>,
+    pub(crate) files: Files,
     pub(crate) random: Random,
     pub(crate) price: Price,
     /// Clocks are calls, although our vDSO could tell them.
@@ -61,8 +63,8 @@ pub(crate) struct Alarm {
 impl Kernel {
     /// The port that a descriptor of a task is.
     pub(crate) fn port(&self, task: usize, descriptor: i32) -> Option<usize> {
-        let file = proc::descriptor(self.tasks[task].tid, descriptor)?;
-        self.ports.iter().position(|port| port.flag.name() == file)
+        let file = self.files.name(&self.tasks[task], descriptor)?;
+        self.ports.iter().position(|port| *port.flag.name() == *file)
     }
 
     /// A task's call was a look, unless it has waited.

@@ -300,6 +300,7 @@ impl Schedule {
         let task = &mut kernel.tasks[place];
         task.complete();
         let tid = task.tid;
+        kernel.files.forget_all();
         kernel.close_ports(cables);
         self.take_memory_back(tid)?;
         Ok(Next::Resume(Resume::Free))

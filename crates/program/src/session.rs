@@ -5,6 +5,7 @@ use std::rc::Rc;
 use crate::cables::Cables;
 use crate::calls;
 use crate::error::Error;
+use crate::files::Files;
 use crate::image;
 use crate::kernel::Kernel;
 use crate::launch;
@@ -61,6 +62,7 @@ impl Session {
             now_ns: 0,
             tasks: Vec::new(),
             ports,
+            files: Files::default(),
             random: Random::new(program.seed),
             price: program.price,
             traps_clocks: program.traps_clocks,

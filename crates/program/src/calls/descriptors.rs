@@ -33,11 +33,12 @@ fn is_fifo(file: &Path) -> bool {
 pub(super) fn read(kernel: &mut Kernel, task: usize, cables: &mut dyn Cables) -> Result<Outcome, Fault> {
     let caller = &kernel.tasks[task];
     let number = caller.number_of_call();
-    let Some(file) = proc::descriptor(caller.tid, caller.descriptor(0)) else { return Ok(Outcome::Native) };
-    if let Some(port) = kernel.ports.iter().position(|port| port.flag.name() == file) {
+    let Some(file) = kernel.files.name(caller, caller.descriptor(0)) else { return Ok(Outcome::Native) };
+    if let Some(port) = kernel.ports.iter().position(|port| *port.flag.name() == *file) {
         return port::read(kernel, task, port, cables);
     }
-    if number == libc::SYS_read && (file == Path::new("/dev/urandom") || file == Path::new("/dev/random")) {
+    if number == libc::SYS_read && (*file == *Path::new("/dev/urandom") || *file == *Path::new("/dev/random"))
+    {
         let count = caller.argument(2).min(65_536) as usize;
         let bytes = kernel.random.bytes(count);
         kernel.tasks[task].write(kernel.tasks[task].argument(1), &bytes)?;
@@ -57,12 +58,13 @@ pub(super) fn read(kernel: &mut Kernel, task: usize, cables: &mut dyn Cables) ->
 pub(super) fn write(kernel: &mut Kernel, task: usize, cables: &mut dyn Cables) -> Result<Outcome, Fault> {
     let caller = &kernel.tasks[task];
     let number = caller.number_of_call();
-    let Some(file) = proc::descriptor(caller.tid, caller.descriptor(0)) else { return Ok(Outcome::Native) };
-    if let Some(port) = kernel.ports.iter().position(|port| port.flag.name() == file) {
+    let Some(file) = kernel.files.name(caller, caller.descriptor(0)) else { return Ok(Outcome::Native) };
+    if let Some(port) = kernel.ports.iter().position(|port| *port.flag.name() == *file) {
         return port::write(kernel, task, port, cables);
     }
+    kernel.files.stir();
     // The reader of the program's own output is outside of simulated time.
-    if kernel.outputs.contains(&file) {
+    if kernel.outputs.iter().any(|output| **output == *file) {
         return Ok(Outcome::Native);
     }
     let flags = match number {
@@ -168,6 +170,7 @@ pub(super) fn transfer(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> 
         libc::SYS_vmsplice => 0,
         _ => 1,
     };
+    kernel.files.stir();
     let is_port = |place| kernel.port(task, caller.descriptor(place)).is_some();
     if is_port(0) || is_port(second) { Err(Fault::Errno(libc::EINVAL)) } else { Ok(Outcome::Native) }
 }
@@ -178,10 +181,15 @@ pub(super) fn close(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Res
     let closed = match caller.number_of_call() {
         libc::SYS_close => 0,
         libc::SYS_dup2 | libc::SYS_dup3 => 1,
-        _ => return Ok(Outcome::Observed(After::Closing)),
+        _ => {
+            kernel.files.forget_all();
+            return Ok(Outcome::Observed(After::Closing));
+        }
     };
-    let matters = |file: &Path| may_wait(file) || kernel.ports.iter().any(|port| port.flag.name() == file);
-    match proc::descriptor(caller.tid, caller.descriptor(closed)) {
+    let matters = |file: &Path| may_wait(file) || kernel.ports.iter().any(|port| *port.flag.name() == *file);
+    let file = kernel.files.name(caller, caller.descriptor(closed));
+    kernel.files.forget(caller.descriptor(closed));
+    match file {
         Some(file) if matters(&file) => Ok(Outcome::Observed(After::Closing)),
         _ => Ok(Outcome::Native),
     }

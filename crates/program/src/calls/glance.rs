@@ -3,7 +3,6 @@
 
 use crate::fault::Fault;
 use crate::kernel::Kernel;
-use crate::os::{pipe, proc};
 use crate::task::Task;
 
 /// The requests of a poll, with the bits for ordinary bytes that programs use as well.
@@ -46,12 +45,13 @@ pub(super) fn answer(kernel: &Kernel, task: usize) -> Result<Option<Answer>, Fau
 
 /// Whether a descriptor can be read and written; none if only the kernel knows.
 fn ready(kernel: &Kernel, task: &Task, question: &Question) -> Option<(bool, bool)> {
-    let file = proc::descriptor(task.tid, question.descriptor)?;
-    if let Some(port) = kernel.ports.iter().find(|port| port.flag.name() == file) {
+    let file = kernel.files.name(task, question.descriptor)?;
+    if let Some(port) = kernel.ports.iter().find(|port| *port.flag.name() == *file) {
         return Some((question.reads && port.input.is_ready(&port.termios), question.writes));
     }
     let is_pipe = file.as_os_str().as_encoded_bytes().starts_with(b"pipe:");
-    (is_pipe && !question.writes && pipe::is_quiet(task.tid, question.descriptor)).then_some((false, false))
+    (is_pipe && !question.writes && kernel.files.is_quiet(task, question.descriptor))
+        .then_some((false, false))
 }
 
 /// `struct pollfd`: the descriptor (4 bytes), what is asked (2), and what is answered (2).

@@ -8,7 +8,6 @@ use crate::cables::Cables;
 use crate::error::Error;
 use crate::fault::Fault;
 use crate::kernel::Kernel;
-use crate::os::proc;
 use crate::task::After;
 
 const FOLDER: &str = "/dev";
@@ -18,7 +17,7 @@ const NAME_AT: usize = 19;
 pub(super) fn list(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Result<Outcome, Fault> {
     let caller = &kernel.tasks[task];
     let is_ours =
-        proc::descriptor(caller.tid, caller.descriptor(0)).is_some_and(|file| file == Path::new(FOLDER));
+        kernel.files.name(caller, caller.descriptor(0)).is_some_and(|file| *file == *Path::new(FOLDER));
     Ok(if is_ours { Outcome::Observed(After::Listing) } else { Outcome::Native })
 }
 
