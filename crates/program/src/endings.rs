@@ -28,7 +28,7 @@ impl Schedule {
         }
         self.kernel.files.forget_all();
         self.kernel.recheck_futexes();
-        self.kernel.progress += 1;
+        self.kernel.act();
         Ok(Next::Leave)
     }
 
@@ -76,7 +76,7 @@ impl Schedule {
         }
         self.kernel.alarms.retain(|alarm| alarm.process != process);
         self.kernel.has_signals = true;
-        self.kernel.progress += 1;
+        self.kernel.act();
         self.kernel.files.forget_all();
         self.kernel.recheck_futexes();
         self.kernel.close_ports(cables);

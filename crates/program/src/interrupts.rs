@@ -15,7 +15,7 @@ impl Schedule {
     /// Waits end of tasks that have a signal to act on.
     pub(crate) fn interrupt_waits(&mut self) -> Result<(), Error> {
         // Calls with a mask of signals of their own find out by themselves.
-        self.kernel.progress += 1;
+        self.kernel.act();
         let now_ns = self.kernel.now_ns;
         // A signal to a process goes to one of its tasks, the first that does not block it.
         let mut reached = Vec::new();

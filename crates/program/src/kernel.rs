@@ -39,6 +39,12 @@ pub(crate) struct Kernel {
     pub(crate) report: Report,
     /// Counts what may end a wait.
     pub(crate) progress: u64,
+    /// Counts what the kernel has done that may end a wait.
+    pub(crate) done: u64,
+    /// A program waits for ports by epoll.
+    pub(crate) has_port_in_epoll: bool,
+    /// The epoll that was empty last, by process and descriptor, and the count of what the kernel had done then.
+    pub(crate) empty_epoll: Option<(i32, i32, u64)>,
     /// The program may have signals to deliver that were not looked at.
     pub(crate) has_signals: bool,
     /// Counts waits at futexes.
@@ -102,13 +108,24 @@ impl Kernel {
         self.report.charged_ns += price_ns;
     }
 
+    /// The kernel has done something that may end a wait.
+    pub(crate) fn act(&mut self) {
+        self.progress += 1;
+        self.done += 1;
+    }
+
+    /// A wait for what only the kernel can do.
+    pub(crate) fn waiting(&self) -> Activity {
+        Activity::Kernels { until_ns: None, seen: self.progress, done: Some(self.done) }
+    }
+
     /// A new task.
     pub(crate) fn add_task(&mut self, tid: i32, scratch: u64, page: Option<u64>, registers: Registers) {
         let process = proc::process(tid).unwrap_or(tid);
         self.tasks.push(Task { page, ..Task::new(tid, process, self.report.tasks, scratch, registers) });
         self.report.tasks += 1;
         self.report.tasks_at_most = self.report.tasks_at_most.max(self.tasks.len());
-        self.progress += 1;
+        self.act();
     }
 
     /// All bytes that have come are given to the ports.

@@ -58,7 +58,9 @@ impl Schedule {
             }
             let Some(number) = self.next() else { return Ok(()) };
             self.turn = number;
-            self.run_task(number, cables)?;
+            if !self.waits_again(number) {
+                self.run_task(number, cables)?;
+            }
         }
         Ok(())
     }
@@ -85,7 +87,8 @@ impl Schedule {
         let (now_ns, progress) = (self.kernel.now_ns, self.kernel.progress);
         let is_due = |until_ns: Option<u64>| until_ns.is_some_and(|until_ns| until_ns <= now_ns);
         let may_run = |activity: Activity| {
-            let (Activity::Ours { until_ns, seen } | Activity::Kernels { until_ns, seen }) = activity else {
+            let (Activity::Ours { until_ns, seen } | Activity::Kernels { until_ns, seen, .. }) = activity
+            else {
                 return false;
             };
             is_due(until_ns) || (seen != ONLY_WHEN_DUE && seen != progress)
@@ -99,6 +102,23 @@ impl Schedule {
     /// The place of a task among all.
     fn place(&self, number: u32) -> Option<usize> {
         self.kernel.tasks.iter().position(|task| task.number == number)
+    }
+
+    /// Whether a call that the kernel would make again would wait again: nothing has happened that it could know. The task is then as after
+    /// that, without its two stops.
+    fn waits_again(&mut self, number: u32) -> bool {
+        let Kernel { now_ns, progress, done, ref mut tasks, .. } = self.kernel;
+        let Some(task) = tasks.iter_mut().find(|task| task.number == number) else { return false };
+        let Activity::Kernels { until_ns, seen, done: Some(known) } = &mut task.activity else {
+            return false;
+        };
+        if *known != done || until_ns.is_some_and(|until_ns| until_ns <= now_ns) {
+            return false;
+        }
+        *seen = progress;
+        task.begin_call(now_ns);
+        task.waits_since_ns = Some(now_ns);
+        true
     }
 
     /// Runs a task until it waits, or lets others run.
@@ -222,9 +242,14 @@ impl Schedule {
             }
             return Ok(Next::Resume(Resume::Free));
         }
+        // A look changes nothing for others.
+        let is_look = matches!(after, After::Multiplex { .. });
         calls::leave(&mut self.kernel, place, after, cables)?;
         let next = self.next_of(place);
-        self.kernel.progress += u64::from(next != Next::Leave);
+        if next != Next::Leave {
+            self.kernel.progress += 1;
+            self.kernel.done += u64::from(!is_look);
+        }
         Ok(next)
     }
 
@@ -232,9 +257,15 @@ impl Schedule {
     fn apply(&mut self, place: usize, outcome: Outcome, cables: &mut dyn Cables) -> Result<Next, Error> {
         let kernel = &mut self.kernel;
         let task = &mut kernel.tasks[place];
-        let is_inert =
-            matches!(outcome, Outcome::Look(_) | Outcome::Wait(_) | Outcome::Yield | Outcome::Observed(_));
-        kernel.progress += u64::from(!is_inert && !INERT.contains(&task.number_of_call()));
+        let is_inert = matches!(
+            outcome,
+            Outcome::Look(_) | Outcome::Nothing | Outcome::Wait(_) | Outcome::Yield | Outcome::Observed(_)
+        );
+        if !is_inert && !INERT.contains(&task.number_of_call()) {
+            let is_ours = matches!(outcome, Outcome::Answer(_) | Outcome::Moved(_));
+            kernel.progress += 1;
+            kernel.done += u64::from(!is_ours);
+        }
         match outcome {
             Outcome::Answer(value) => {
                 task.finish(value)?;
@@ -248,6 +279,11 @@ impl Schedule {
             Outcome::Look(value) => {
                 task.finish(value)?;
                 kernel.charge(place);
+            }
+            Outcome::Nothing => {
+                task.finish(0)?;
+                kernel.charge(place);
+                kernel.progress += u64::from(kernel.tasks[place].activity == Activity::Running);
             }
             Outcome::Yield => {
                 task.finish(0)?;

@@ -50,8 +50,9 @@ pub(crate) enum Activity {
     Paying { until_ns: u64 },
     /// Its call is ours, and is looked at again when something has happened or it is due.
     Ours { until_ns: Option<u64>, seen: u64 },
-    /// Its call is the kernel's, and is made again when something has happened or it is due.
-    Kernels { until_ns: Option<u64>, seen: u64 },
+    /// Its call is the kernel's, and is made again when something has happened or it is due; if it is not about ports, only something
+    /// that the kernel has done since can change it.
+    Kernels { until_ns: Option<u64>, seen: u64, done: Option<u64> },
     /// It waits at a futex.
     Futex { key: FutexKey, bits: u32, order: u64, until_ns: Option<u64> },
     /// It waits for a signal that this mask does not block.
@@ -215,8 +216,11 @@ impl Task {
 
     /// A `struct timespec` or `struct timeval`, in nanoseconds; `unit_ns` is what its second field counts.
     pub(crate) fn read_time(&self, address: u64, unit_ns: u64) -> Result<u64, Fault> {
-        let seconds = self.read_u64(address)?.cast_signed();
-        let part = self.read_u64(address + 8)?;
+        let mut bytes = [0; 16];
+        self.read(address, &mut bytes)?;
+        let [seconds, part] = [0, 8]
+            .map(|place| bytes[place..].iter().take(8).rev().fold(0, |n, byte| n << 8 | u64::from(*byte)));
+        let seconds = seconds.cast_signed();
         if seconds < 0 || part >= 1_000_000_000 / unit_ns {
             return Err(Fault::Errno(libc::EINVAL));
         }

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::fault::Fault;
 use crate::kernel::Kernel;
 use crate::os::proc;
-use crate::task::{Activity, After, Task};
+use crate::task::{After, Task};
 
 /// Writes to a pipe of up to so many bytes are done as one (PIPE_BUF), and go through at once if it has room at all.
 const PIECE: u64 = 4096;
@@ -126,7 +126,7 @@ fn cleared(caller: &Task, is_socket: bool) -> Result<Outcome, Fault> {
 }
 
 pub(super) fn leave_probe(kernel: &mut Kernel, task: usize, descriptor: i32) -> Result<(), Error> {
-    let progress = kernel.progress;
+    let waiting = kernel.waiting();
     let caller = &mut kernel.tasks[task];
     if caller.value()? > 0 {
         caller.call.is_cleared = true;
@@ -139,12 +139,12 @@ pub(super) fn leave_probe(kernel: &mut Kernel, task: usize, descriptor: i32) -> 
         return Ok(());
     }
     caller.rewind(None)?;
-    caller.activity = Activity::Kernels { until_ns: None, seen: progress };
+    caller.activity = waiting;
     Ok(())
 }
 
 pub(super) fn leave_piece(kernel: &mut Kernel, task: usize) -> Result<(), Error> {
-    let progress = kernel.progress;
+    let waiting = kernel.waiting();
     let caller = &mut kernel.tasks[task];
     let written = caller.value()?;
     let done = caller.call.done + written.max(0).unsigned_abs();
@@ -154,7 +154,7 @@ pub(super) fn leave_piece(kernel: &mut Kernel, task: usize) -> Result<(), Error>
         caller.call.is_cleared = false;
         caller.rewind(None)?;
         if is_full {
-            caller.activity = Activity::Kernels { until_ns: None, seen: progress };
+            caller.activity = waiting;
         }
         return Ok(());
     }

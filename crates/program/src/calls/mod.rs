@@ -29,6 +29,8 @@ pub(crate) enum Outcome {
     Look(i64),
     /// It returns this, and has moved bytes or woken somebody.
     Moved(i64),
+    /// It returns 0, as the kernel would have answered.
+    Nothing,
     /// The kernel does it.
     Native,
     /// The kernel does it, and its return matters.

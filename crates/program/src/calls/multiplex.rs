@@ -59,6 +59,13 @@ pub(super) fn enter(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Res
     if let Some(answer) = glance::answer(kernel, task)? {
         return glanced(kernel, task, deadline, &answer);
     }
+    if kernel.empty_epoll.is_some_and(|empty| Some(empty) == epoll(kernel, task)) {
+        return Ok(match deadline {
+            Some(deadline) if deadline <= kernel.now_ns => Outcome::Nothing,
+            until_ns => Outcome::Wait(Activity::Ours { until_ns, seen: kernel.progress }),
+        });
+    }
+    kernel.ports.iter_mut().for_each(|port| port.flag.show());
     let caller = &kernel.tasks[task];
     let sets = sets(caller)?;
     match timeout {
@@ -69,6 +76,22 @@ pub(super) fn enter(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Res
         }
     }
     Ok(Outcome::Observed(After::Multiplex { deadline, sets }))
+}
+
+/// The epoll that a task looks at, and what the kernel has done by now; none if it may have a port in it.
+fn epoll(kernel: &Kernel, task: usize) -> Option<(i32, i32, u64)> {
+    let caller = &kernel.tasks[task];
+    let is_epoll = matches!(
+        caller.number_of_call(),
+        libc::SYS_epoll_wait | libc::SYS_epoll_pwait | libc::SYS_epoll_pwait2
+    );
+    // One with a mask of signals may end by a signal that has come long before.
+    let has_mask = caller.number_of_call() != libc::SYS_epoll_wait && caller.argument(4) != 0;
+    (is_epoll && !has_mask && !kernel.has_port_in_epoll).then_some((
+        caller.process,
+        caller.descriptor(0),
+        kernel.done,
+    ))
 }
 
 /// The outcome of a call whose answer needs no kernel.
@@ -116,19 +139,25 @@ pub(super) fn leave(
     deadline: Option<u64>,
     sets: &[(u64, Vec<u8>)],
 ) -> Result<(), Error> {
-    let (now_ns, progress) = (kernel.now_ns, kernel.progress);
+    let (now_ns, seen) = (kernel.now_ns, kernel.progress);
+    let epoll = epoll(kernel, task);
     let caller = &mut kernel.tasks[task];
     let answer = caller.value()?;
     if RESTARTS.contains(&answer) {
         return caller.returns(RESTART_WITHOUT_HANDLER);
     }
+    if answer == 0 {
+        kernel.empty_epoll = epoll;
+    }
+    let caller = &mut kernel.tasks[task];
     if answer == 0 && deadline.is_none_or(|deadline| deadline > now_ns) {
         for (address, set) in sets {
             // The kernel has just written there.
             let _ = caller.write(*address, set);
         }
         caller.rewind(deadline)?;
-        caller.activity = Activity::Kernels { until_ns: deadline, seen: progress };
+        caller.activity =
+            Activity::Kernels { until_ns: deadline, seen, done: epoll.map(|(_, _, done)| done) };
         return Ok(());
     }
     caller.complete();
@@ -159,7 +188,7 @@ pub(super) fn enter_child(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) 
 }
 
 pub(super) fn leave_child(kernel: &mut Kernel, task: usize, is_patient: bool) -> Result<(), Error> {
-    let progress = kernel.progress;
+    let waiting = kernel.waiting();
     let caller = &mut kernel.tasks[task];
     let answer = caller.value()?;
     let is_nobody = if caller.number_of_call() == libc::SYS_waitid {
@@ -170,7 +199,7 @@ pub(super) fn leave_child(kernel: &mut Kernel, task: usize, is_patient: bool) ->
     };
     if is_nobody && is_patient {
         caller.rewind(None)?;
-        caller.activity = Activity::Kernels { until_ns: None, seen: progress };
+        caller.activity = waiting;
         return Ok(());
     }
     caller.complete();

@@ -71,7 +71,14 @@ pub(super) fn exec(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Resu
 }
 
 /// The kernel does it; but who waits for a descriptor has to look again.
-pub(super) fn change_descriptor(_: &mut Kernel, _: usize, _: &mut dyn Cables) -> Result<Outcome, Fault> {
+pub(super) fn change_descriptor(
+    kernel: &mut Kernel,
+    task: usize,
+    _: &mut dyn Cables,
+) -> Result<Outcome, Fault> {
+    let caller = &kernel.tasks[task];
+    kernel.has_port_in_epoll |=
+        caller.number_of_call() == libc::SYS_epoll_ctl && kernel.port(task, caller.descriptor(2)).is_some();
     Ok(Outcome::Native)
 }
 

@@ -12,6 +12,8 @@ pub(crate) struct Flag {
     reader: PipeReader,
     writer: PipeWriter,
     is_up: bool,
+    wanted: bool,
+    is_changed: bool,
     name: PathBuf,
 }
 
@@ -20,7 +22,7 @@ impl Flag {
     pub(crate) fn new() -> io::Result<Self> {
         let (reader, writer) = pipe()?;
         let name = std::fs::read_link(format!("/proc/self/fd/{}", reader.as_raw_fd()))?;
-        Ok(Self { reader, writer, is_up: false, name })
+        Ok(Self { reader, writer, is_up: false, wanted: false, is_changed: false, name })
     }
 
     /// The text by which /proc shows a descriptor of it.
@@ -33,19 +35,27 @@ impl Flag {
         format!("/proc/{}/fd/{}", std::process::id(), self.reader.as_raw_fd())
     }
 
-    /// Puts a byte in, or takes it out. A pipe of which both ends are ours neither breaks nor fills.
+    /// It is to have a byte in it, or not.
     pub(crate) fn set(&mut self, is_up: bool) {
-        if self.is_up != is_up {
-            self.is_up = is_up;
-            let _ = if is_up { self.writer.write(&[0]) } else { self.reader.read(&mut [0]) };
-        }
+        self.is_changed |= self.wanted != is_up;
+        self.wanted = is_up;
     }
 
     /// Bytes have come on top of others: who waits for edges (EPOLLET) gets one.
     pub(crate) fn poke(&mut self) {
-        if self.is_up {
-            self.set(false);
-            self.set(true);
+        self.is_changed = true;
+    }
+
+    /// Puts a byte in, or takes it out, before the kernel looks at it. A pipe of which both ends are ours neither breaks nor fills.
+    pub(crate) fn show(&mut self) {
+        if std::mem::take(&mut self.is_changed) {
+            if self.is_up {
+                let _ = self.reader.read(&mut [0]);
+            }
+            if self.wanted {
+                let _ = self.writer.write(&[0]);
+            }
+            self.is_up = self.wanted;
         }
     }
 }
