@@ -74,7 +74,7 @@ impl Schedule {
                 _ => Some(End::Signal(libc::SIGKILL)),
             };
         }
-        self.kernel.alarms.retain(|alarm| alarm.process != process);
+        self.kernel.timers.retain(|timer| !timer.is_of(process));
         self.kernel.has_signals = true;
         self.kernel.act();
         self.kernel.files.forget_all();

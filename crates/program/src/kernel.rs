@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use crate::cables::Cables;
 use crate::files::Files;
 use crate::looks::Page;
-use crate::os::proc::{self, mask};
-use crate::os::trace::{self, Registers};
+use crate::os::proc;
+use crate::os::trace::Registers;
 use crate::program::Price;
 use crate::random::Random;
 use crate::report::Report;
 use crate::task::{Activity, Task};
+use crate::timers::{Owner, Timer};
 use crate::tty::Tty;
 
 /// CLOCK_REALTIME at the beginning, in nanoseconds: 2023-11-14 22:13:20 UTC.
@@ -51,19 +52,9 @@ pub(crate) struct Kernel {
     pub(crate) order: u64,
     /// The program's own output and errors, as /proc shows their descriptors.
     pub(crate) outputs: Vec<PathBuf>,
-    /// Timers of processes.
-    pub(crate) alarms: Vec<Alarm>,
-}
-
-/// The timer ITIMER_REAL of a process, which runs.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Alarm {
-    /// The process.
-    pub(crate) process: i32,
-    /// The next instant.
-    pub(crate) due_ns: u64,
-    /// The period; 0: it rings once.
-    pub(crate) every_ns: u64,
+    pub(crate) timers: Vec<Timer>,
+    /// Counts timers that programs have created.
+    pub(crate) timers_created: i32,
 }
 
 impl Kernel {
@@ -143,9 +134,10 @@ impl Kernel {
         }
     }
 
-    /// Ports that no process has open any more are closed.
+    /// Ports and timers that no process has open any more are closed.
     pub(crate) fn close_ports(&mut self, cables: &mut dyn Cables) {
-        if self.ports.iter().all(|port| !port.is_open) {
+        let is_file = |timer: &Timer| matches!(timer.owner, Owner::File { .. });
+        if self.ports.iter().all(|port| !port.is_open) && !self.timers.iter().any(is_file) {
             return;
         }
         let mut files = Vec::new();
@@ -153,6 +145,10 @@ impl Kernel {
         for process in processes {
             files.extend(proc::descriptors(process));
         }
+        self.timers.retain(|timer| match &timer.owner {
+            Owner::File { flag, .. } => files.iter().any(|file| file == flag.name()),
+            Owner::Process(_) | Owner::Created { .. } => true,
+        });
         for (number, port) in self.ports.iter_mut().enumerate() {
             if port.is_open && !files.iter().any(|file| file == port.flag.name()) {
                 port.is_open = false;
@@ -167,30 +163,10 @@ impl Kernel {
         }
     }
 
-    /// Alarms that are due ring: their signals are sent.
-    pub(crate) fn ring(&mut self) {
-        let now_ns = self.now_ns;
-        for alarm in &mut self.alarms {
-            if alarm.due_ns > now_ns {
-                continue;
-            }
-            let mut tasks = self.tasks.iter().filter(|task| task.process == alarm.process);
-            let first = tasks.next().map(|task| task.tid);
-            let willing = |tid: &i32| proc::signals(*tid).blocked & mask(libc::SIGALRM) == 0;
-            if let Some(tid) =
-                first.filter(willing).or_else(|| tasks.map(|task| task.tid).find(willing)).or(first)
-            {
-                trace::signal(alarm.process, tid, libc::SIGALRM);
-            }
-            alarm.due_ns = if alarm.every_ns == 0 { u64::MAX } else { alarm.due_ns + alarm.every_ns };
-            self.has_signals = true;
-        }
-        self.alarms.retain(|alarm| alarm.due_ns < u64::MAX);
-    }
-
-    /// The instant at which a task goes on, or an alarm rings.
+    /// The instant at which a task goes on, or a timer rings.
     pub(crate) fn until_ns(&self) -> Option<u64> {
         let tasks = self.tasks.iter().filter_map(|task| task.activity.until_ns());
-        tasks.chain(self.alarms.iter().map(|alarm| alarm.due_ns)).min()
+        let timers = self.timers.iter().map(|timer| timer.due_ns).filter(|due_ns| *due_ns < u64::MAX);
+        tasks.chain(timers).min()
     }
 }

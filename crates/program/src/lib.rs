@@ -56,6 +56,8 @@ mod session;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod task;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod timers;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod tty;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod vdso;

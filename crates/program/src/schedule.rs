@@ -8,6 +8,7 @@ use crate::kernel::Kernel;
 use crate::os::trace::{self, Resume, Stop};
 use crate::report::End;
 use crate::task::{Activity, After};
+use crate::timers::Owner;
 use crate::watch::{Trip, Watch};
 
 /// A program's tasks, and whose turn it is.
@@ -337,6 +338,11 @@ impl Schedule {
         task.complete();
         let tid = task.tid;
         kernel.files.forget_all();
+        // Those of setitimer stay.
+        let process = kernel.tasks[place].process;
+        kernel.timers.retain(
+            |timer| !matches!(timer.owner, Owner::Created { process: owner, .. } if owner == process),
+        );
         kernel.close_ports(cables);
         self.take_memory_back(tid)?;
         Ok(Next::Resume(Resume::Free))

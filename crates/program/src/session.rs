@@ -75,7 +75,8 @@ impl Session {
             has_signals: false,
             order: 0,
             outputs,
-            alarms: Vec::new(),
+            timers: Vec::new(),
+            timers_created: 0,
         };
         let watch = Watch::new(program.patience);
         let mut session = Self {

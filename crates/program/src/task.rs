@@ -112,8 +112,8 @@ pub(crate) enum After {
     Probe { descriptor: i32 },
     /// A piece of a write to a pipe.
     Piece,
-    /// A port is opened.
-    Opening { port: usize },
+    /// A port is opened, or another file of ours.
+    Opening { port: Option<usize> },
     /// The folder /dev is listed.
     Listing,
     /// Descriptors of ports are closed.
@@ -277,6 +277,16 @@ impl Task {
         let mut registers = self.call.entry;
         change(&mut registers);
         self.set(&registers)
+    }
+
+    /// The call opens a file of ours in its place.
+    pub(crate) fn open_instead(&self, path: &str, flags: u64) -> Result<(), Fault> {
+        self.write(self.scratch, &[path.as_bytes(), &[0]].concat())?;
+        Ok(self.replace(|registers| {
+            registers.orig_rax = libc::SYS_openat.cast_unsigned();
+            registers.rdi = i64::from(libc::AT_FDCWD).cast_unsigned();
+            (registers.rsi, registers.rdx, registers.r10) = (self.scratch, flags, 0);
+        })?)
     }
 
     /// At the return of a replaced call: the program sees its own arguments, and this value.

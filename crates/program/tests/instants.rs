@@ -130,6 +130,47 @@ fn children_pipes_and_signals_take_the_time_that_they_should() {
 }
 
 #[test]
+fn timers_ring_when_they_are_due() {
+    let timers = Compiled::new("timers", &["-lrt"]);
+    let outcome = run(timers.words(&[]), &[Machine::Silent]);
+    let expected = [
+        "left 70000000 every 50000000",
+        "signal 3 value 42 timer 1 at 100000000",
+        "signal 3 value 42 timer 1 at 150000000",
+        "signal 3 value 42 timer 1 at 200000000",
+        "deleted 0",
+        "thread value 7 at 1000000000",
+        "late 0 at 1200000000",
+        "thread value 7 at 1200000000",
+        "1 rings at 1451000000",
+        "1 rings at 1551000000",
+        "3 rings at 1901000000",
+        "poll 0 at 1921000000",
+        "poll 1 at 1951000000",
+        "epoll 1 at 1951000000",
+        "epoll 0 at 2951000000",
+        "epoll 0 at 3951000000",
+        "left 100000000 every 100000000",
+        "epoll 0 at 4951000000",
+        "read -1 1",
+    ];
+    assert_eq!(outcome.lines(), expected);
+    for (script, code, ended_ns) in
+        [("timeout 5 sleep 100", 124, 5_000_000_000), ("timeout 5 sleep 1", 0, 1_000_000_000)]
+    {
+        let outcome = run(
+            Program { words: ["sh", "-c", script].map(Into::into).to_vec(), ..program() },
+            &[Machine::Silent],
+        );
+        assert!(
+            matches!(outcome.end, Ok(Some(baudbot_program::End::Exit(ended))) if ended == code),
+            "{outcome:?}"
+        );
+        assert_eq!(outcome.now_ns, ended_ns, "{script}");
+    }
+}
+
+#[test]
 fn the_system_s_own_tools_find_a_terminal() {
     let script = "stty -F /dev/ttySIM0 57600 raw -echo && stty -F /dev/ttySIM0 speed && test -c /dev/ttySIM0 && \
                   exec 3<>/dev/ttySIM0 && echo ELLO >&3 && head -c 8 <&3 && tty <&3 && (cd /dev; ls -d tty[SUA]*[0-9]) && ls /dev/ttyUSB0 /dev/ttyS0 2>&1 | wc -l";

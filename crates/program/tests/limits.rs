@@ -22,7 +22,7 @@ fn refusal(word: &str) -> String {
 fn calls_without_simulated_time_are_refused_by_name() {
     for (word, call) in [
         ("network", "socket(AF_INET)"),
-        ("timerfd", "timerfd_create"),
+        ("timer", "timer_create(of processor time)"),
         ("old", "a 32-bit system call"),
         ("inotify", "inotify_init"),
         ("unix", "connect(/run/some/where)"),

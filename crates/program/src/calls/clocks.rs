@@ -1,21 +1,21 @@
-//! Clocks, sleeps and alarms.
+//! Clocks and sleeps.
 
 use super::{Outcome, deadline};
 use crate::cables::Cables;
 use crate::fault::Fault;
-use crate::kernel::{Alarm, EPOCH_NS, Kernel, UPTIME_NS};
+use crate::kernel::{EPOCH_NS, Kernel, UPTIME_NS};
 use crate::task::{Activity, Task};
 
 /// Nanoseconds in what `struct timespec` and `struct timeval` count.
-const TIMESPEC: u64 = 1;
-const TIMEVAL: u64 = 1000;
+pub(super) const TIMESPEC: u64 = 1;
+pub(super) const TIMEVAL: u64 = 1000;
 /// A `Ours` that is looked at again only when it is due.
 const ONLY_WHEN_DUE: u64 = u64::MAX;
 /// Nanoseconds in a tick of `times`.
 const TICK_NS: u64 = 10_000_000;
 
 /// The value of a clock at the beginning of simulated time; none for processor time.
-fn start_ns(clock: i32) -> Option<u64> {
+pub(super) fn start_ns(clock: i32) -> Option<u64> {
     match clock {
         libc::CLOCK_REALTIME | libc::CLOCK_REALTIME_COARSE | libc::CLOCK_REALTIME_ALARM | libc::CLOCK_TAI => {
             Some(EPOCH_NS)
@@ -100,49 +100,4 @@ pub(super) fn sleep(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Res
         Some(until_ns) if until_ns <= now_ns => Ok(Outcome::Look(0)),
         until_ns => Ok(Outcome::Wait(Activity::Ours { until_ns, seen: ONLY_WHEN_DUE })),
     }
-}
-
-/// The timer of a process that follows the wall clock. The others follow processor time, which does not pass.
-pub(super) fn alarm(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Result<Outcome, Fault> {
-    let caller = &kernel.tasks[task];
-    let (process, number) = (caller.process, caller.number_of_call());
-    if number != libc::SYS_alarm && caller.descriptor(0) != libc::ITIMER_REAL {
-        return Err(caller
-            .refuse("setitimer(ITIMER_VIRTUAL or ITIMER_PROF)", "computing takes no time")
-            .into());
-    }
-    let old = kernel.alarms.iter().find(|alarm| alarm.process == process).copied();
-    let left_ns = old.map_or(0, |alarm| alarm.due_ns - kernel.now_ns);
-    let every_ns = old.map_or(0, |alarm| alarm.every_ns);
-    let (wanted, answer) = match number {
-        libc::SYS_alarm => {
-            let wanted_ns = u64::from(caller.argument(0) as u32) * 1_000_000_000;
-            (Some((wanted_ns, 0)), left_ns.div_ceil(1_000_000_000).cast_signed())
-        }
-        libc::SYS_getitimer => {
-            write_timer(caller, caller.argument(1), left_ns, every_ns)?;
-            (None, 0)
-        }
-        _ => {
-            let place = caller.argument(1);
-            let wanted = (caller.read_time(place + 16, TIMEVAL)?, caller.read_time(place, TIMEVAL)?);
-            if caller.argument(2) != 0 {
-                write_timer(caller, caller.argument(2), left_ns, every_ns)?;
-            }
-            (Some(wanted), 0)
-        }
-    };
-    if let Some((first_ns, every_ns)) = wanted {
-        kernel.alarms.retain(|alarm| alarm.process != process);
-        if first_ns > 0 {
-            kernel.alarms.push(Alarm { process, due_ns: kernel.now_ns.saturating_add(first_ns), every_ns });
-        }
-    }
-    Ok(Outcome::Answer(answer))
-}
-
-/// A `struct itimerval`.
-fn write_timer(task: &Task, place: u64, left_ns: u64, every_ns: u64) -> Result<(), Fault> {
-    task.write_time(place, every_ns, TIMEVAL)?;
-    task.write_time(place + 16, left_ns, TIMEVAL)
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::{Outcome, port};
+use super::{Outcome, port, timers};
 use crate::cables::Cables;
 use crate::error::Error;
 use crate::fault::Fault;
@@ -43,6 +43,9 @@ pub(super) fn read(kernel: &mut Kernel, task: usize, cables: &mut dyn Cables) ->
         let bytes = kernel.random.bytes(count);
         kernel.tasks[task].write(kernel.tasks[task].argument(1), &bytes)?;
         return Ok(Outcome::Moved(count as i64));
+    }
+    if let Some(outcome) = timers::read(kernel, task, &file)? {
+        return Ok(outcome);
     }
     let flags = match number {
         libc::SYS_recvfrom => 3,

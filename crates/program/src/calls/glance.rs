@@ -49,6 +49,9 @@ fn ready(kernel: &Kernel, task: &Task, question: &Question) -> Option<(bool, boo
     if let Some(port) = kernel.ports.iter().find(|port| *port.flag.name() == *file) {
         return Some((question.reads && port.input.is_ready(&port.termios), question.writes));
     }
+    if let Some(rings) = kernel.timers.iter().find_map(|timer| timer.rings(&file)) {
+        return Some((question.reads && rings > 0, question.writes));
+    }
     let is_pipe = file.as_os_str().as_encoded_bytes().starts_with(b"pipe:");
     (is_pipe && !question.writes && kernel.files.is_quiet(task, question.descriptor))
         .then_some((false, false))

@@ -13,6 +13,7 @@ mod port_control;
 mod refused;
 mod signals;
 mod tasks;
+mod timers;
 
 use crate::cables::Cables;
 use crate::error::Error;
@@ -112,7 +113,11 @@ const TABLE: &[(&[i64], Handler)] = &[
         clocks::set,
     ),
     (&[libc::SYS_nanosleep, libc::SYS_clock_nanosleep], clocks::sleep),
-    (&[libc::SYS_alarm, libc::SYS_setitimer, libc::SYS_getitimer], clocks::alarm),
+    (&[libc::SYS_alarm, libc::SYS_setitimer, libc::SYS_getitimer], timers::alarm),
+    (&[libc::SYS_timer_create, libc::SYS_timerfd_create], timers::create),
+    (&[libc::SYS_timer_settime, libc::SYS_timerfd_settime], timers::set),
+    (&[libc::SYS_timer_gettime, libc::SYS_timerfd_gettime], timers::tell),
+    (&[libc::SYS_timer_delete, libc::SYS_timer_getoverrun], timers::delete),
     (&[libc::SYS_futex], futex::call),
     (&[libc::SYS_read, libc::SYS_readv, libc::SYS_recvfrom, libc::SYS_recvmsg], descriptors::read),
     (&[libc::SYS_write, libc::SYS_writev, libc::SYS_sendto, libc::SYS_sendmsg], descriptors::write),

@@ -65,7 +65,7 @@ pub(super) fn enter(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Res
             until_ns => Outcome::Wait(Activity::Ours { until_ns, seen: kernel.progress }),
         });
     }
-    kernel.ports.iter_mut().for_each(|port| port.flag.show());
+    kernel.show_flags();
     let caller = &kernel.tasks[task];
     let sets = sets(caller)?;
     match timeout {

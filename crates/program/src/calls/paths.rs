@@ -106,27 +106,21 @@ pub(super) fn open(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Resu
     if kernel.ports[port].is_exclusive {
         return Err(Fault::Errno(libc::EBUSY));
     }
-    let mut path = kernel.ports[port].flag.path().into_bytes();
-    path.push(0);
-    caller.write(caller.scratch, &path)?;
-    caller.replace(|registers| {
-        registers.orig_rax = libc::SYS_openat.cast_unsigned();
-        registers.rdi = i64::from(libc::AT_FDCWD).cast_unsigned();
-        (registers.rsi, registers.rdx, registers.r10) = (caller.scratch, flags & KEPT_FLAGS, 0);
-    })?;
-    Ok(Outcome::Observed(After::Opening { port }))
+    caller.open_instead(&kernel.ports[port].flag.path(), flags & KEPT_FLAGS)?;
+    Ok(Outcome::Observed(After::Opening { port: Some(port) }))
 }
 
 pub(super) fn leave_opening(
     kernel: &mut Kernel,
     task: usize,
-    port: usize,
+    port: Option<usize>,
     cables: &mut dyn Cables,
 ) -> Result<(), Error> {
     let caller = &mut kernel.tasks[task];
     let descriptor = caller.value()?;
     caller.complete();
     caller.returns(descriptor)?;
+    let Some(port) = port else { return Ok(()) };
     let tty = &mut kernel.ports[port];
     if descriptor >= 0 && !tty.is_open {
         tty.is_open = true;

@@ -27,8 +27,6 @@ pub(super) const REFUSED: &[i64] = &[
     libc::SYS_io_uring_enter,
     libc::SYS_io_uring_register,
     libc::SYS_io_setup,
-    libc::SYS_timerfd_create,
-    libc::SYS_timer_create,
     libc::SYS_signalfd,
     libc::SYS_signalfd4,
     libc::SYS_inotify_init,

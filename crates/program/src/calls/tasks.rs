@@ -78,7 +78,7 @@ pub(super) fn change_descriptor(
 ) -> Result<Outcome, Fault> {
     let caller = &kernel.tasks[task];
     kernel.has_port_in_epoll |=
-        caller.number_of_call() == libc::SYS_epoll_ctl && kernel.port(task, caller.descriptor(2)).is_some();
+        caller.number_of_call() == libc::SYS_epoll_ctl && kernel.is_ours(task, caller.descriptor(2));
     Ok(Outcome::Native)
 }
 

@@ -125,6 +125,18 @@ fn message(tid: i32) -> io::Result<i32> {
     Ok(message as i32)
 }
 
+/// Sends the signal of a timer to one task of a process (`(process, tid)`), with the timer's number and a value of the program's.
+pub(crate) fn signal_of_timer((process, tid): (i32, i32), signal: i32, (id, value): (i32, u64)) {
+    // `siginfo_t`: signal, errno, code, padding, timer, overruns, value.
+    let mut info = [0u64; 16];
+    info[0] = u64::from(signal.cast_unsigned());
+    info[1] = u64::from(libc::SI_TIMER.cast_unsigned());
+    info[2] = u64::from(id.cast_unsigned());
+    info[3] = value;
+    // SAFETY: the facts have the size of `siginfo_t`, and outlive the call.
+    unsafe { libc::syscall(libc::SYS_rt_tgsigqueueinfo, process, tid, signal, info.as_ptr()) };
+}
+
 /// Sends a signal to one task of a process. A task that is no more is no error.
 pub(crate) fn signal(process: i32, tid: i32, signal: i32) {
     // SAFETY: a call with three numbers.

@@ -6,13 +6,13 @@
 #include <string.h>
 #include <sys/inotify.h>
 #include <sys/socket.h>
-#include <sys/timerfd.h>
 #include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
 int main(int count, char **words) {
     int ends[2];
+    timer_t timer;
     char byte;
     if (!strcmp(words[1], "spin")) for (volatile int i = 0;; i++) {}
     if (!strcmp(words[1], "compute")) {
@@ -35,7 +35,7 @@ int main(int count, char **words) {
     }
     if (!strcmp(words[1], "network")) socket(AF_INET, SOCK_STREAM, 0);
     if (!strcmp(words[1], "old")) asm volatile("int $0x80" : : "a"(20));
-    if (!strcmp(words[1], "timerfd")) timerfd_create(CLOCK_MONOTONIC, 0);
+    if (!strcmp(words[1], "timer")) timer_create(CLOCK_PROCESS_CPUTIME_ID, NULL, &timer);
     if (!strcmp(words[1], "inotify")) inotify_init();
     if (!strcmp(words[1], "unix")) {
         struct sockaddr_un address = {AF_UNIX, "/run/some/where"};
