@@ -1,5 +1,5 @@
-//! Runs a program against toy machines in simulated time: `simulated [-u] [-t] [-m MACHINE] [-r RUNS] [-p NS] PROGRAM …`. Its port is
-//! /dev/ttySIM0. Prints, for each run, a hash of all that has happened at the port with its instants, and how fast it was.
+//! Runs a program against toy machines in simulated time: `simulated [-u] [-t] [-v] [-m MACHINE]… [-r RUNS] [-p NS] PROGRAM …`. Its
+//! ports are /dev/ttySIM0 and so on. Prints, for each run, a hash of all that has happened at the port with its instants, and how fast it was.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -14,30 +14,33 @@ mod wire;
 
 fn main() {
     let mut words = std::env::args().skip(1).peekable();
-    let (mut machine, mut runs, mut price) = (Machine::Lines, 1, Price::default());
-    let (mut is_unpinned, mut traps_clocks) = (false, false);
+    let (mut machines, mut runs, mut price) = (Vec::new(), 1, Price::default());
+    let (mut is_unpinned, mut traps_clocks, mut is_logged) = (false, false, false);
     while let Some(option) = words.next_if(|word| word.starts_with('-')) {
         match option.as_str() {
             "-u" => is_unpinned = true,
             "-t" => traps_clocks = true,
-            "-m" => {
-                machine = match words.next().as_deref() {
-                    Some("create") => Machine::Create,
-                    Some("echo") => Machine::Echo,
-                    Some("servo") => Machine::Servo,
-                    Some("silent") => Machine::Silent,
-                    Some("stream") => Machine::Stream,
-                    _ => Machine::Lines,
-                }
-            }
+            "-v" => is_logged = true,
+            "-m" => machines.push(match words.next().as_deref() {
+                Some("create") => Machine::Create,
+                Some("echo") => Machine::Echo,
+                Some("servo") => Machine::Servo,
+                Some("silent") => Machine::Silent,
+                Some("stream") => Machine::Stream,
+                _ => Machine::Lines,
+            }),
             "-r" => runs = words.next().and_then(|word| word.parse().ok()).unwrap_or(1),
             "-p" => price = Price::each(words.next().and_then(|word| word.parse().ok()).unwrap_or(1)),
             other => panic!("no such option: {other}"),
         }
     }
+    if machines.is_empty() {
+        machines.push(Machine::Lines);
+    }
+    let ports = (0..machines.len()).map(|port| Port { path: format!("/dev/ttySIM{port}") });
     let program = Program {
         words: words.map(Into::into).collect(),
-        ports: vec![Port { path: "/dev/ttySIM0".to_owned() }],
+        ports: ports.collect(),
         price,
         is_unpinned,
         traps_clocks,
@@ -45,7 +48,7 @@ fn main() {
     };
     for _ in 0..runs {
         let began = Instant::now();
-        let mut world = Wire::new(&[machine]);
+        let mut world = Wire::new(&machines);
         let mut session = match Session::start(&program) {
             Ok(session) => session,
             Err(error) => return eprintln!("{error}"),
@@ -58,6 +61,9 @@ fn main() {
                 }
             }
             Err(error) => eprintln!("{error}"),
+        }
+        if is_logged {
+            world.log.iter().for_each(|(at_ns, port, event)| eprintln!("{at_ns} {port} {event:?}"));
         }
         let mut hasher = DefaultHasher::new();
         (&world.log, world.now_ns()).hash(&mut hasher);

@@ -25,6 +25,7 @@ fn calls_without_simulated_time_are_refused_by_name() {
         ("timer", "timer_create(of processor time)"),
         ("old", "a 32-bit system call"),
         ("inotify", "inotify_init"),
+        ("terminal", "open(/dev/ptmx)"),
         ("unix", "connect(/run/some/where)"),
     ] {
         let text = refusal(word);

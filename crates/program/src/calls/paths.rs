@@ -14,6 +14,9 @@ use crate::task::{After, Task};
 
 /// The machine's own serial ports. They are in real time, so the program sees none.
 pub(super) const HIDDEN: [&[u8]; 4] = [b"/dev/ttyS", b"/dev/ttyUSB", b"/dev/ttyACM", b"/dev/ttyAMA"];
+/// Paths by which programs make pseudo-terminals. The kernel moves their bytes in its own time.
+const TERMINALS: [&[u8]; 2] = [b"/dev/ptmx", b"/dev/pts/ptmx"];
+const TERMINALS_REMEDY: &str = "a pseudo-terminal works in real time; use pipes, or give the program a port as its terminal, as in `< /dev/ttyUSB1`";
 /// Flags of `open` that matter for a port.
 const KEPT_FLAGS: u64 =
     (libc::O_ACCMODE | libc::O_NONBLOCK | libc::O_CLOEXEC | libc::O_APPEND | libc::O_NOCTTY) as u64;
@@ -30,6 +33,8 @@ enum Place {
     Port(usize),
     /// As if it were absent.
     Nothing,
+    /// The system's maker of pseudo-terminals.
+    Terminals,
     Other,
 }
 
@@ -50,6 +55,9 @@ fn place(
         let name = path.as_os_str().as_bytes();
         if let Some(port) = kernel.ports.iter().position(|port| port.path.as_bytes() == name) {
             return Ok(Place::Port(port));
+        }
+        if TERMINALS.contains(&name) {
+            return Ok(Place::Terminals);
         }
         if HIDDEN.iter().any(|start| name.starts_with(start)) {
             return Ok(Place::Nothing);
@@ -101,6 +109,7 @@ pub(super) fn open(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Resu
     let port = match place(kernel, caller, folder, path, true)? {
         Place::Port(port) => port,
         Place::Nothing => return Err(Fault::Errno(libc::ENOENT)),
+        Place::Terminals => return Err(caller.refuse("open(/dev/ptmx)", TERMINALS_REMEDY).into()),
         Place::Other => return Ok(Outcome::Native),
     };
     if kernel.ports[port].is_exclusive {
@@ -156,7 +165,7 @@ pub(super) fn stat(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Resu
         Place::Port(port) if number == libc::SYS_statx => statx_facts(port).to_vec(),
         Place::Port(port) => stat_facts(port).to_vec(),
         Place::Nothing => return Err(Fault::Errno(libc::ENOENT)),
-        Place::Other => return Ok(Outcome::Native),
+        Place::Terminals | Place::Other => return Ok(Outcome::Native),
     };
     caller.write(caller.argument(into), &facts)?;
     Ok(Outcome::Look(0))
@@ -212,7 +221,7 @@ pub(super) fn access(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) -> Re
         Place::Port(_) if mode & libc::X_OK != 0 => Err(Fault::Errno(libc::EACCES)),
         Place::Port(_) => Ok(Outcome::Look(0)),
         Place::Nothing => Err(Fault::Errno(libc::ENOENT)),
-        Place::Other => Ok(Outcome::Native),
+        Place::Terminals | Place::Other => Ok(Outcome::Native),
     }
 }
 
@@ -223,7 +232,7 @@ pub(super) fn read_link(kernel: &mut Kernel, task: usize, _: &mut dyn Cables) ->
     match place(kernel, caller, folder, path, false)? {
         Place::Port(_) => return Err(Fault::Errno(libc::EINVAL)),
         Place::Nothing => return Err(Fault::Errno(libc::ENOENT)),
-        Place::Other => {}
+        Place::Terminals | Place::Other => {}
     }
     let text = String::from_utf8(caller.text(caller.argument(path))?).unwrap_or_default();
     let own = ["/proc/self/fd/", "/dev/fd/", "/proc/thread-self/fd/"];

@@ -1,8 +1,10 @@
 // Does what has no simulated time, by its first word.
+#define _GNU_SOURCE
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/inotify.h>
 #include <sys/socket.h>
@@ -37,6 +39,7 @@ int main(int count, char **words) {
     if (!strcmp(words[1], "old")) asm volatile("int $0x80" : : "a"(20));
     if (!strcmp(words[1], "timer")) timer_create(CLOCK_PROCESS_CPUTIME_ID, NULL, &timer);
     if (!strcmp(words[1], "inotify")) inotify_init();
+    if (!strcmp(words[1], "terminal")) posix_openpt(O_RDWR);
     if (!strcmp(words[1], "unix")) {
         struct sockaddr_un address = {AF_UNIX, "/run/some/where"};
         connect(socket(AF_UNIX, SOCK_STREAM, 0), (void *)&address, sizeof address);
