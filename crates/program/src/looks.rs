@@ -21,7 +21,10 @@ impl Kernel {
         let looks = if caller.has_waited(self.now_ns) { 0 } else { caller.looks };
         let looks_left = i64::try_from(self.price.free_looks.saturating_sub(looks)).unwrap_or(i64::MAX);
         let page = Page { task: caller.number, now_ns: self.now_ns, looks_left };
-        if self.page != Some(page) {
+        // Without looks it is not read, whatever the instant.
+        let is_same =
+            |old: Page| old == page || (old.task == page.task && old.looks_left == 0 && looks_left == 0);
+        if !self.page.is_some_and(is_same) {
             let bytes = clocks::page(looks_left, EPOCH_NS + self.now_ns, UPTIME_NS + self.now_ns);
             // A task that has been killed meanwhile has no memory.
             self.page = memory::write(caller.tid, place, &bytes).is_ok().then_some(page);
@@ -32,6 +35,9 @@ impl Kernel {
     pub(crate) fn count_looks(&mut self, task: usize) {
         let caller = &mut self.tasks[task];
         let (Some(place), Some(page)) = (caller.page, &mut self.page) else { return };
+        if page.looks_left == 0 {
+            return;
+        }
         let Ok(looks_left) = caller.read_u64(place) else { return };
         let made = page.looks_left - looks_left.cast_signed();
         page.looks_left = looks_left.cast_signed();
