@@ -70,12 +70,22 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
     head.extend(summary.recording.iter().flat_map(recording));
     head.extend(summary.programs.iter().map(|program| ("program", of_program(program))));
     head.extend(summary.requirements.iter().map(required));
-    if summary.unseen_lines > 0 {
-        let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
-        head.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
-    }
+    head.extend(hints(summary));
     head.extend(summary.blocked.iter().map(blocked));
     head
+}
+
+/// What a user may want to know about programs.
+fn hints(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut hints = Vec::new();
+    if summary.programs.iter().any(|program| program.random_addresses) {
+        hints.push(("warning", RANDOM_ADDRESSES.to_owned()));
+    }
+    if summary.unseen_lines > 0 {
+        let lines = count(usize::try_from(summary.unseen_lines).unwrap_or(usize::MAX), "line");
+        hints.push(("hint", format!("the brain's program printed {lines}: --show-output shows them")));
+    }
+    hints
 }
 
 fn required(Required { requirement, robot, holds, robustness, at_s }: &Required) -> (&'static str, String) {
@@ -86,6 +96,9 @@ fn required(Required { requirement, robot, holds, robustness, at_s }: &Required)
 fn blocked(Blocked { mover, blocked_s }: &Blocked) -> (&'static str, String) {
     ("warning", format!("`{mover}` was blocked for {} s by something in its way", handy(*blocked_s)))
 }
+
+const RANDOM_ADDRESSES: &str = "this system does not allow a program the same addresses in each run, as in a container; what follows \
+    from addresses, such as the order of a set of objects in Python, may differ from run to run";
 
 /// What a program in simulated time has come to, and what computing cost it.
 fn of_program(program: &Program) -> String {

@@ -18,6 +18,8 @@ pub(crate) struct Program {
     /// The calls that were charged, and the simulated time that they took.
     pub(crate) charged_calls: u64,
     pub(crate) charged_s: f64,
+    /// Whether its memory was at other addresses than in another run.
+    pub(crate) random_addresses: bool,
     /// What its tasks wait for at the end.
     pub(crate) waits: Vec<String>,
 }
@@ -41,6 +43,7 @@ impl Summary {
             price_ns: price(&one.robot),
             charged_calls: one.report.charged,
             charged_s: one.report.charged_ns as f64 * 1e-9,
+            random_addresses: one.report.has_random_addresses,
             waits: one.waits.clone(),
         };
         self.programs = programs.iter().map(summed).collect();

@@ -19,6 +19,9 @@ pub struct Report {
     pub counter_reads: u64,
     /// Programs that were started with a vDSO that could not be changed: they are slower, with the same results.
     pub trapped: u32,
+    /// Whether its memory is at other addresses in each run, as the system does not allow fixed ones, in a container for instance. What
+    /// follows from addresses, such as the order of a set of objects in Python, may then differ.
+    pub has_random_addresses: bool,
 }
 
 /// A task that waits.

@@ -10,7 +10,7 @@ use crate::image;
 use crate::kernel::Kernel;
 use crate::launch;
 use crate::os::affinity::{self, Pin};
-use crate::os::{spawn, trace};
+use crate::os::{proc, spawn, trace};
 use crate::program::Program;
 use crate::random::Random;
 use crate::report::{End, Report, Wait};
@@ -67,7 +67,7 @@ impl Session {
             price: program.price,
             traps_clocks: program.traps_clocks,
             page: None,
-            report: Report::default(),
+            report: Report { has_random_addresses: proc::has_random_addresses(root), ..Report::default() },
             progress: 0,
             done: 0,
             has_port_in_epoll: false,

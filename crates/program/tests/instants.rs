@@ -108,6 +108,7 @@ fn threads_wait_for_each_other_and_for_time() {
     expected.push("joined at 2040000000".to_owned());
     assert_eq!(outcome.lines(), expected);
     assert_eq!(outcome.report.tasks_at_most, 5);
+    assert!(!outcome.report.has_random_addresses, "this system allows fixed addresses");
 }
 
 #[test]

@@ -65,6 +65,14 @@ pub(crate) fn process(tid: i32) -> Option<i32> {
     status.lines().find_map(|line| line.strip_prefix("Tgid:\t"))?.parse().ok()
 }
 
+/// Whether a program's memory is at other addresses in each run.
+pub(crate) fn has_random_addresses(process: i32) -> bool {
+    let text = |file: &str| fs::read_to_string(file).unwrap_or_default();
+    let personality =
+        i32::from_str_radix(text(&format!("/proc/{process}/personality")).trim(), 16).unwrap_or(0);
+    personality & libc::ADDR_NO_RANDOMIZE == 0 && text("/proc/sys/kernel/randomize_va_space").trim() != "0"
+}
+
 /// The file that a descriptor stands for: a path, or a text such as `pipe:[4711]`.
 pub(crate) fn descriptor(tid: i32, descriptor: i32) -> Option<PathBuf> {
     fs::read_link(format!("/proc/{tid}/fd/{descriptor}")).ok()
