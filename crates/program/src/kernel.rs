@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use crate::cables::Cables;
 use crate::files::Files;
-use crate::looks::Page;
 use crate::os::proc;
 use crate::os::trace::Registers;
-use crate::program::Price;
+use crate::program::{Price, Program};
 use crate::random::Random;
 use crate::report::Report;
 use crate::task::{Activity, Task};
@@ -57,7 +56,41 @@ pub(crate) struct Kernel {
     pub(crate) timers_created: i32,
 }
 
+/// The page of clocks of the task that has run last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Page {
+    /// The task's number.
+    pub(crate) task: u32,
+    pub(crate) now_ns: u64,
+    pub(crate) looks_left: i64,
+}
+
 impl Kernel {
+    /// The beginning of a program, whose first process stands still.
+    pub(crate) fn new(program: &Program, ports: Vec<Tty>, outputs: Vec<PathBuf>, root: i32) -> Self {
+        let report = Report { has_random_addresses: proc::has_random_addresses(root), ..Report::default() };
+        Self {
+            now_ns: 0,
+            tasks: Vec::new(),
+            ports,
+            files: Files::default(),
+            random: Random::new(program.seed),
+            price: program.price,
+            traps_clocks: program.traps_clocks,
+            page: None,
+            report,
+            progress: 0,
+            done: 0,
+            has_port_in_epoll: false,
+            empty_epoll: None,
+            has_signals: false,
+            order: 0,
+            outputs,
+            timers: Vec::new(),
+            timers_created: 0,
+        }
+    }
+
     /// The port that a descriptor of a task is.
     pub(crate) fn port(&self, task: usize, descriptor: i32) -> Option<usize> {
         let file = self.files.name(&self.tasks[task], descriptor)?;

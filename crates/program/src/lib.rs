@@ -47,6 +47,8 @@ mod os;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod random;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod rings;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod schedule;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod session;

@@ -1,17 +1,8 @@
 //! Looks at clocks that a task makes by our code in its own process: how many are left to it, and how many it has made. Each counts as
 //! one that stops it does; a task for which the next one has a price stops.
 
-use crate::kernel::{EPOCH_NS, Kernel, UPTIME_NS};
+use crate::kernel::{EPOCH_NS, Kernel, Page, UPTIME_NS};
 use crate::os::{clocks, memory};
-
-/// The content of the page of the task that has run last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Page {
-    /// The task's number.
-    task: u32,
-    now_ns: u64,
-    looks_left: i64,
-}
 
 impl Kernel {
     /// Before a task goes on: the instant, and the looks that it may make unseen.

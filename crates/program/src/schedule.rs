@@ -254,19 +254,29 @@ impl Schedule {
         Ok(next)
     }
 
-    /// Applies the outcome of a call to its task.
-    fn apply(&mut self, place: usize, outcome: Outcome, cables: &mut dyn Cables) -> Result<Next, Error> {
+    /// Counts what the outcome of a call may change for others.
+    fn note(&mut self, place: usize, outcome: &Outcome) {
+        let (is_inert, is_ours) = match outcome {
+            Outcome::Answer(_) | Outcome::Moved(_) => (false, true),
+            Outcome::Native | Outcome::ThreadEnd | Outcome::ProcessEnd => (false, false),
+            Outcome::Look(_)
+            | Outcome::Nothing
+            | Outcome::Wait(_)
+            | Outcome::Yield
+            | Outcome::Observed(_) => (true, false),
+        };
         let kernel = &mut self.kernel;
-        let task = &mut kernel.tasks[place];
-        let is_inert = matches!(
-            outcome,
-            Outcome::Look(_) | Outcome::Nothing | Outcome::Wait(_) | Outcome::Yield | Outcome::Observed(_)
-        );
-        if !is_inert && !INERT.contains(&task.number_of_call()) {
-            let is_ours = matches!(outcome, Outcome::Answer(_) | Outcome::Moved(_));
+        if !is_inert && !INERT.contains(&kernel.tasks[place].number_of_call()) {
             kernel.progress += 1;
             kernel.done += u64::from(!is_ours);
         }
+    }
+
+    /// Applies the outcome of a call to its task.
+    fn apply(&mut self, place: usize, outcome: Outcome, cables: &mut dyn Cables) -> Result<Next, Error> {
+        self.note(place, &outcome);
+        let kernel = &mut self.kernel;
+        let task = &mut kernel.tasks[place];
         match outcome {
             Outcome::Answer(value) => {
                 task.finish(value)?;
@@ -281,11 +291,7 @@ impl Schedule {
                 task.finish(value)?;
                 kernel.charge(place);
             }
-            Outcome::Nothing => {
-                task.finish(0)?;
-                kernel.charge(place);
-                kernel.progress += u64::from(kernel.tasks[place].activity == Activity::Running);
-            }
+            Outcome::Nothing => self.answer_nothing(place)?,
             Outcome::Yield => {
                 task.finish(0)?;
                 kernel.charge(place);
@@ -305,6 +311,14 @@ impl Schedule {
             Outcome::ProcessEnd => return self.end_process(place, 0, cables),
         }
         Ok(self.next_of(place))
+    }
+
+    /// A call of the kernel's is answered as it would be, which others notice as they would.
+    fn answer_nothing(&mut self, place: usize) -> Result<(), Error> {
+        self.kernel.tasks[place].finish(0)?;
+        self.kernel.charge(place);
+        self.kernel.progress += u64::from(self.next_of(place) != Next::Leave);
+        Ok(())
     }
 
     /// Whether a task goes on, by what it does.

@@ -5,14 +5,12 @@ use std::rc::Rc;
 use crate::cables::Cables;
 use crate::calls;
 use crate::error::Error;
-use crate::files::Files;
 use crate::image;
 use crate::kernel::Kernel;
 use crate::launch;
 use crate::os::affinity::{self, Pin};
-use crate::os::{proc, spawn, trace};
+use crate::os::{spawn, trace};
 use crate::program::Program;
-use crate::random::Random;
 use crate::report::{End, Report, Wait};
 use crate::schedule::Schedule;
 use crate::task::Activity;
@@ -58,26 +56,7 @@ impl Session {
         let (launch, outputs) = launch::launch(program, &calls::shown())?;
         let pin = if program.is_unpinned { None } else { affinity::pin() };
         let root = spawn::spawn(&launch).map_err(|source| start_error(program, source))?;
-        let kernel = Kernel {
-            now_ns: 0,
-            tasks: Vec::new(),
-            ports,
-            files: Files::default(),
-            random: Random::new(program.seed),
-            price: program.price,
-            traps_clocks: program.traps_clocks,
-            page: None,
-            report: Report { has_random_addresses: proc::has_random_addresses(root), ..Report::default() },
-            progress: 0,
-            done: 0,
-            has_port_in_epoll: false,
-            empty_epoll: None,
-            has_signals: false,
-            order: 0,
-            outputs,
-            timers: Vec::new(),
-            timers_created: 0,
-        };
+        let kernel = Kernel::new(program, ports, outputs, root);
         let watch = Watch::new(program.patience);
         let mut session = Self {
             schedule: Schedule { kernel, watch, root, end: None, turn: 0 },

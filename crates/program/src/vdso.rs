@@ -71,6 +71,7 @@ impl Image {
 
     fn functions(&self) -> Option<Vec<Function>> {
         let (symbols, texts) = (self.entry(SYMBOLS)?, self.entry(TEXTS)?);
+        self.0.get(symbols..texts)?;
         let functions = (symbols..texts)
             .step_by(SYMBOL)
             .filter(|symbol| self.number(symbol + 4, 1).is_some_and(|kind| kind & 15 == FUNCTION));
