@@ -154,7 +154,7 @@ impl Schedule {
     /// Lets a task go on to its next stop.
     pub(crate) fn step(&mut self, place: usize, how: Resume) -> Result<Stop, Error> {
         if how == Resume::Free {
-            self.kernel.write_page(place);
+            self.kernel.write_page(place)?;
         }
         let task = &mut self.kernel.tasks[place];
         let signal = std::mem::take(&mut task.signal);
