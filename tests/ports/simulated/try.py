@@ -13,6 +13,7 @@ import multiprocessing
 import os
 import pathlib
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -136,6 +137,62 @@ def firmata(robot, python, sketches):
         sys.exit(f"pyfirmata2: {printed}")
 
 
+def socat(robot):
+    """socat between a file, pipes and the port. The last character of an answer comes when the wire has carried it."""
+    for baud in (1200, 9600, 115_200):
+        with tempfile.NamedTemporaryFile("w", suffix=".txt") as question:
+            question.write("N\r")
+            question.flush()
+            command = f"socat -t 2 OPEN:{question.name}!!- {PORT},b{baud},raw,echo=0,cstopb=1"
+            script = "date +%s.%N; " + command + " | { read -r line; echo ${#line}; date +%s.%N; cat; }"
+            options = ["--seconds", "20", "--set", f"robots.khepera.link.baud={baud}"]
+            printed, _ = robot.drive(f"socat, {baud} baud", PORTS / "khepera.toml", ["sh", "-c", script], *options)
+        begun, characters, answered = printed.split()
+        # The line ends with CR, which the shell counts, and LF.
+        on_wire_s = (2 + int(characters) + 1) * 11 / baud
+        took_s = float(answered.split(".")[1]) / 1e9 - float(begun.split(".")[1]) / 1e9
+        if not on_wire_s - 1e-6 <= took_s < on_wire_s + 6e-3:
+            sys.exit(f"socat: {characters} characters took {took_s} s at {baud} baud, on the wire alone {on_wire_s} s")
+
+
+def miniterm(robot, python):
+    """pyserial's terminal needs one itself: another port of the robot's is one, whose receiver types."""
+    with tempfile.TemporaryDirectory() as folder:
+        scenario = pathlib.Path(folder) / "typing.toml"
+        scenario.write_text((PORTS / "khepera.toml").read_text() + 'sensors.gps.preset = "gps-garmin-15"\n')
+        command = f"timeout 5 {shlex.join([python, '-m', 'serial.tools.miniterm', '--raw', PORT, '9600'])} < /dev/ttyUSB1"
+        script = f"stty -F /dev/ttyUSB1 4800; {command}; test $? = 124"
+        printed, _ = robot.drive("miniterm", scenario, ["sh", "-c", script], "--seconds", "10")
+    if "Miniterm on /dev/ttyUSB0" not in printed:
+        sys.exit(f"miniterm: {printed}")
+
+
+def ordinary_user(robot, python):
+    """Debian's Python as a user without capabilities has the hash that it has as root."""
+    if os.geteuid() != 0 or not pathlib.Path("/usr/bin/python3").exists():
+        print("NOT CHECKED: a user without capabilities, which takes root and /usr/bin/python3")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        place = pathlib.Path(folder)
+        packages = subprocess.run([python, "-c", "import serial; print(serial.__path__[0])"], check=True, capture_output=True, text=True)
+        shutil.copytree(packages.stdout.strip(), place / "serial")
+        shutil.copy(robot.baudbot, place / "baudbot")
+        shutil.copy(HERE / "asks.py", place)
+        shutil.copy(PORTS / "khepera.toml", place)
+        subprocess.run(["chmod", "-R", "a+rX", folder], check=True)
+        nobody = "setpriv --reuid nobody --regid nogroup --clear-groups --inh-caps=-all --bounding-set=-all --no-new-privs".split()
+        hashes = set()
+        for who in ([], nobody):
+            words = ["./baudbot", "program", "khepera.toml", "--seconds", "2", "--json", "--quiet", "--", "/usr/bin/python3", "asks.py", PORT]
+            done = subprocess.run([*who, *words], cwd=place, capture_output=True, text=True, timeout=60, env={"PATH": os.environ["PATH"]})
+            if done.returncode != 0:
+                sys.exit(f"{who}: ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+            hashes.add(json.loads(done.stdout)["state_hash"])
+    if len(hashes) != 1:
+        sys.exit(f"root and nobody have {len(hashes)} hashes: {hashes}")
+    print(f"Debian's Python as nobody: the hash of root ({hashes.pop()})", flush=True)
+
+
 def sweep(baudbot, python):
     """The same table twice, over eight rates and twenty seeds; the robot's cable has the rate that the program is told."""
     with tempfile.TemporaryDirectory() as folder:
@@ -191,6 +248,9 @@ def main():
             sys.exit(f"{name} got {seen}, and C {first}")
     square(robot, python)
     recorded(robot, python)
+    socat(robot)
+    miniterm(robot, python)
+    ordinary_user(robot, python)
     dynamixel(robot, python, arguments.sketches)
     firmata(robot, python, arguments.sketches)
     robot.refuses("a socket", PORTS / "khepera.toml", [python, "-c", "import socket; socket.create_connection(('127.0.0.1', 1))"], "socket", "python")
