@@ -119,3 +119,21 @@ fn an_experiment_varies_the_robot_of_a_program() {
         .unwrap();
     assert!(!runs.contains("error:"), "{runs}");
 }
+
+/// A program that knows one rate only: the search finds it.
+#[test]
+fn a_search_finds_the_limit_of_a_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let (script, experiment) = (folder.path().join("drives.sh"), folder.path().join("rates.toml"));
+    let text = "stty -F /dev/ttyUSB0 9600 raw -echo cstopb; printf 'D,5,5\\r' > /dev/ttyUSB0; sleep 1";
+    fs::write(&script, text).unwrap();
+    let text = format!(
+        "scenario = {SCENARIO:?}\nbrain = \"program:sh {}\"\nseeds = 2\nseconds = 3\n\
+         [[fields]]\nfield = \"robots.khepera.link.baud\"\nvalues = [1200, 2400, 4800, 9600]\n\
+         [success]\ndistance_m_at_least = 0.02\n",
+        script.display()
+    );
+    fs::write(&experiment, text).unwrap();
+    let said = good(&["sweep", experiment.to_str().unwrap(), "--find", "robots.khepera.link.baud"]);
+    assert!(said.contains(": 9600 (2 of 2 seeds"), "{said}");
+}
