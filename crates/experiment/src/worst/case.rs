@@ -1,7 +1,10 @@
 //! A case: a scenario with its brains in which a requirement falls, or is kept least.
 
+use std::sync::atomic::AtomicUsize;
+
 use super::Worst;
 use super::shrink::Draft;
+use super::splitting::take;
 use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
@@ -11,6 +14,7 @@ use crate::requirement::Fall;
 use crate::run_options::{RunOptions, quoted};
 use crate::run_record::{Ran, RunError, Task};
 use crate::sweep::Options;
+use crate::told::Told;
 
 /// A scenario that fails, or comes nearest to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,6 +88,8 @@ pub(super) fn worst_case(
         )));
     }
     if !tried.fall.holds {
+        let note = format!("run {} fails; it is made plain, which takes some hundred runs", tried.task.run);
+        (options.tell)(&Told::Note(note));
         match draft.shrink(&court, ran, &mut trials)? {
             Some(plain) => ran = plain,
             None => return Ok(None),
@@ -102,6 +108,29 @@ pub(super) struct Court<'a> {
 }
 
 impl Court<'_> {
+    /// Runs of scenarios, side by side; `None` if they were stopped.
+    pub(super) fn run_all(&self, texts: &[&str]) -> Result<Option<Vec<Result<Ran, RunError>>>, Error> {
+        let (next, mut all) = (AtomicUsize::new(0), vec![None; texts.len()]);
+        let work = || -> Result<Vec<_>, Error> {
+            let mut done = Vec::new();
+            while let Some((place, text)) = take(&next, texts) {
+                done.push((place, self.run(text)?));
+            }
+            Ok(done)
+        };
+        let panicked = || Err(Error::Refused("a run panicked, which is a bug in baudbot".to_owned()));
+        let each = std::thread::scope(|scope| {
+            let workers: Vec<_> =
+                (0..self.options.jobs.clamp(1, texts.len().max(1))).map(|_| scope.spawn(work)).collect();
+            let each = workers.into_iter().map(|worker| worker.join().unwrap_or_else(|_| panicked()));
+            each.collect::<Result<Vec<_>, _>>()
+        })?;
+        for (place, ran) in each.into_iter().flatten() {
+            all[place] = ran;
+        }
+        Ok(all.into_iter().collect())
+    }
+
     /// A run of a scenario with the brains of the case; `None` if it was stopped.
     pub(super) fn run(&self, toml: &str) -> Result<Option<Result<Ran, RunError>>, Error> {
         let mut experiment = self.experiment.clone();

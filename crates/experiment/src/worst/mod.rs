@@ -268,6 +268,10 @@ impl Hunter<'_> {
                 costs.push(worst.note(task, row));
             }
             search.tell(&points, costs);
+            // A brain that never starts does not in later runs either.
+            if worst.failed == worst.runs && own == Shard::WHOLE {
+                break;
+            }
             if self.limit.first && worst.fallen > 0 {
                 break;
             }

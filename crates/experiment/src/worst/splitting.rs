@@ -177,9 +177,10 @@ impl Family<'_> {
     }
 }
 
-fn take<'a>(next: &AtomicUsize, lineages: &'a [Lineage]) -> Option<(usize, &'a Lineage)> {
+/// The next of a list, with its place, for one of several threads.
+pub(super) fn take<'a, T>(next: &AtomicUsize, list: &'a [T]) -> Option<(usize, &'a T)> {
     let place = next.fetch_add(1, Ordering::Relaxed);
-    Some((place, lineages.get(place)?))
+    Some((place, list.get(place)?))
 }
 
 /// One in so many runs is given up at each level, those with the same level, too.
