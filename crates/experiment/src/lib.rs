@@ -43,6 +43,7 @@ mod observed_world;
 mod observer;
 mod outputs;
 mod packed;
+mod paired;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod places;
@@ -80,6 +81,7 @@ pub use ids::unique_name;
 pub use local_runner::run;
 pub use merge::{Merged, Missing, MissingShard, merge};
 pub use packed::Packed;
+pub use paired::Comparison;
 pub use pool::{Place, Workers};
 pub use raw::{ChartKind, Method, Wants};
 pub use read::ReadError;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS, Info};
+use crate::paired::{Baseline, Comparison, is_compared};
 use crate::run_record::Row;
 use crate::statistics::{Sample, wilson};
 
@@ -23,6 +24,8 @@ pub struct CellSummary {
     pub succeeded: Option<u64>,
     /// The values of each figure, in the order of [`INFOS`].
     pub figures: [Sample; Figures::COUNT],
+    /// The cell beside the first one, seed by seed, if they are compared.
+    pub beside_first: Option<Comparison>,
 }
 
 /// The results of all runs.
@@ -38,6 +41,7 @@ pub struct Summary {
     pub failed: u64,
     /// The first of them: the number of the run, and what was wrong.
     pub failures: Vec<(u64, String)>,
+    first: Baseline,
 }
 
 impl Summary {
@@ -59,8 +63,12 @@ impl Summary {
             }
             self.cells.push(CellSummary::new(experiment, number));
         }
-        if let Some(cell) = self.cells.last_mut() {
-            cell.add(experiment, row);
+        let Some(cell) = self.cells.last_mut() else { return };
+        cell.add(experiment, row);
+        match &mut cell.beside_first {
+            Some(comparison) => self.first.compare(experiment, (row.run % seeds) as usize, row, comparison),
+            None if is_compared(experiment) => self.first.add(experiment, row),
+            None => {}
         }
     }
 
@@ -83,7 +91,8 @@ impl CellSummary {
     fn new(experiment: &Experiment, number: u64) -> Self {
         let levels = experiment.cell(number).levels.into_iter().map(|level| level.name).collect();
         let succeeded = experiment.has_success().then_some(0);
-        Self { number, levels, runs: 0, failed: 0, succeeded, figures: Default::default() }
+        let beside_first = (number > 0 && is_compared(experiment)).then(Comparison::default);
+        Self { number, levels, runs: 0, failed: 0, succeeded, figures: Default::default(), beside_first }
     }
 
     fn add(&mut self, experiment: &Experiment, row: &Row) {
@@ -116,6 +125,7 @@ impl CellSummary {
         json!({
             "cell": self.number, "values": values, "runs": self.runs, "failed": self.failed,
             "success": success, "figures": figures,
+            "beside_first": self.beside_first.as_ref().map(Comparison::json),
         })
     }
 }

@@ -7,6 +7,7 @@ use baudbot_plot::text::columns;
 
 use crate::experiment::Experiment;
 use crate::figures::{Figure, INFOS};
+use crate::paired::Comparison;
 use crate::statistics::Sample;
 use crate::summary::{CellSummary, Summary};
 
@@ -31,7 +32,44 @@ pub fn text(experiment: &Experiment, summary: &Summary, most: usize) -> String {
         text,
         "means over seeds ± half of the 95 % interval (Student), fractions with theirs (Wilson)"
     );
-    text + &failures(summary)
+    text + &compared(experiment, summary, most, &figures) + &failures(summary)
+}
+
+/// The cells beside the first one.
+fn compared(experiment: &Experiment, summary: &Summary, most: usize, figures: &[Figure]) -> String {
+    let cells = summary.cells.iter().take(most);
+    let cells: Vec<_> = cells.filter_map(|cell| Some((cell, cell.beside_first.as_ref()?))).collect();
+    if cells.is_empty() {
+        return String::new();
+    }
+    let mut head: Vec<String> = experiment.fields.iter().map(|field| field.label.clone()).collect();
+    head.push("pairs".to_owned());
+    if experiment.has_success() {
+        head.extend(["success", "p", "seeds for 80 %"].map(str::to_owned));
+    }
+    head.extend(figures.iter().map(|figure| figure.info().name.to_owned()));
+    let row = |(cell, comparison): &(&CellSummary, &Comparison)| {
+        let mut row = cell.levels.clone();
+        row.push(comparison.pairs.to_string());
+        if experiment.has_success() {
+            let success = comparison.success();
+            row.push(
+                success.map_or_else(|| NOTHING.to_owned(), |(share, _)| format!("{:+.0} %", share * 100.0)),
+            );
+            row.push(success.map_or_else(|| NOTHING.to_owned(), |(_, p)| format!("{p:.3}")));
+            row.push(comparison.seeds_needed().map_or_else(|| NOTHING.to_owned(), |seeds| seeds.to_string()));
+        }
+        row.extend(figures.iter().map(|&figure| mean(&comparison.figures[figure as usize])));
+        row
+    };
+    let rows: Vec<_> = std::iter::once(head).chain(cells.iter().map(row)).collect();
+    let first: Vec<_> =
+        summary.cells.iter().take(1).flat_map(|cell| cell.levels.iter().map(String::as_str)).collect();
+    let title = format!(
+        "beside {}, seed by seed: differences ± half of their 95 % interval (Student), p by McNemar's exact test\n",
+        first.join(", ")
+    );
+    title + &columns("", &rows, |i| i < experiment.fields.len())
 }
 
 /// The figures that the experiment is about, and a few that are always worth a look.
