@@ -172,7 +172,8 @@ def ordinary_user(robot, python):
     if os.geteuid() != 0 or not pathlib.Path("/usr/bin/python3").exists():
         print("NOT CHECKED: a user without capabilities, which takes root and /usr/bin/python3")
         return
-    with tempfile.TemporaryDirectory() as folder:
+    # The ladder's own temporary folder is for its user alone.
+    with tempfile.TemporaryDirectory(dir="/var/tmp") as folder:
         place = pathlib.Path(folder)
         packages = subprocess.run([python, "-c", "import serial; print(serial.__path__[0])"], check=True, capture_output=True, text=True)
         shutil.copytree(packages.stdout.strip(), place / "serial")
