@@ -47,8 +47,7 @@ fn search(
     stop: &AtomicBool,
     found: &Mutex<Remainder>,
 ) -> anyhow::Result<ExitCode> {
-    let runs = args.runs.or_else(|| args.within.is_none().then_some(RUNS));
-    let limit = Limit { runs, within: args.within, first: args.first };
+    let limit = Limit { runs: args.runs, within: args.within, first: args.first };
     let out = match (args.shard, &args.work.out) {
         (Some(shard), None) => shards::default_folder(experiment, shard),
         (Some(_) | None, _) => work::out(&args.work, experiment, "worst"),
@@ -138,9 +137,6 @@ fn command(case: &Case, words: &[&str]) -> anyhow::Result<Command> {
     let parsed = Cli::try_parse_from(words.chain(brains).chain(parameters))?;
     parsed.command.context("it has a command")
 }
-
-/// Runs without any limit given.
-const RUNS: u64 = 1000;
 
 /// The scenario of the worst run.
 const CASE: &str = "worst.toml";

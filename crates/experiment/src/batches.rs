@@ -36,20 +36,38 @@ impl<'a> Batches<'a> {
     /// Does those runs of a batch that are missing, of so many that there may be. Returns how long they took, one after the other, and
     /// how many they were.
     pub(crate) fn run(&mut self, tasks: Vec<Task>, most: u64) -> Result<(Duration, u64), Error> {
+        self.run_while(tasks, most, |_| {}, || true)
+    }
+
+    /// The same with a look at each row as it comes, and as long as others are to begin. Runs begin in their order, and those that have
+    /// begun are done to their end: so those that are done are the first of the batch.
+    pub(crate) fn run_while(
+        &mut self,
+        tasks: Vec<Task>,
+        most: u64,
+        look: impl Fn(&Row),
+        goes_on: impl Fn() -> bool + Send + Sync,
+    ) -> Result<(Duration, u64), Error> {
         let missing: Vec<_> = tasks.into_iter().filter(|task| !self.rows.contains_key(&task.run)).collect();
         let (mut time, mut count) = (Duration::ZERO, 0);
         let options = self.options;
         (options.progress)(self.rows.len() as u64, most);
         let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
         let (journal, rows) = (&mut *self.journal, &mut self.rows);
-        let worked = workers.work(self.experiment, missing.into_iter(), options.stop, |row, took| {
-            time += took;
-            count += 1;
-            journal.append(&row)?;
-            rows.insert(row.run, row);
-            (options.progress)(rows.len() as u64, most);
-            Ok(())
-        });
+        let worked = workers.work(
+            self.experiment,
+            missing.into_iter().take_while(|_| goes_on()),
+            options.stop,
+            |row, took| {
+                time += took;
+                count += 1;
+                look(&row);
+                journal.append(&row)?;
+                rows.insert(row.run, row);
+                (options.progress)(rows.len() as u64, most);
+                Ok(())
+            },
+        );
         let synced = self.journal.sync();
         worked.and(synced).map(|()| (time, count))
     }

@@ -22,7 +22,6 @@ Progress = Callable[[int, int], object]
 MOST_JOBS = 1024
 #: Runs of a search.
 MOST_RUNS = 10_000_000
-USUAL_RUNS = 1000
 MOST_SEED = 2**63 - 1
 
 
@@ -130,7 +129,7 @@ def worst(
         runs = _given.whole(runs, "runs", 1, MOST_RUNS, "number of runs")
     if within_s is not None:
         within_s = _given.number(within_s, "within_s")
-    extent = USUAL_RUNS if runs is None and within_s is None else runs, within_s, _given.flag(first, "first")
+    extent = runs, within_s, _given.flag(first, "first")
     told: dict[str, Any] = json.loads(done(_native.worst(experiment, folder, *options, *extent), folder))
     return told
 

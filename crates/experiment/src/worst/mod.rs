@@ -14,7 +14,7 @@ mod splitting;
 mod trial;
 
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use baudbot_run::in_process::InProcess;
@@ -45,11 +45,11 @@ use splitting::{Approach, Extent, Lineage};
 /// The extent of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// The number of runs; the same number gives the same runs on any machine.
+    /// The number of runs; the same number gives the same runs on any machine. `None` is 1,000, or as many as the time allows.
     pub runs: Option<u64>,
-    /// The time by the wall clock after which no batch of runs begins any more.
+    /// The time by the wall clock after which no run begins any more.
     pub within: Option<Duration>,
-    /// The search is over as soon as a run has failed.
+    /// No run begins any more once one has failed.
     pub first: bool,
 }
 
@@ -132,9 +132,10 @@ pub fn worst(experiment: &Experiment, options: &Options<'_>, limit: Limit) -> Re
 
 /// The likelihood of a failure, in place of a search. It has no journal.
 fn estimated(plan: &Plan, options: &Options<'_>, limit: Limit, folder: &Folder) -> Result<Worst, Error> {
-    if limit.runs.is_some_and(|_| limit.within.is_some()) || limit.first {
+    if limit.runs.is_some() || limit.within.is_some() || limit.first {
         return Err(Error::Refused(
-            "--within and --first are for searches; the extent of `splitting` is that of particles and repeats in [worst]".to_owned(),
+            "--runs, --within and --first are for searches; the extent of `splitting` is that of particles and repeats in [worst]"
+                .to_owned(),
         ));
     }
     let Hunt { particles, repeats, seed, .. } = plan.experiment.hunt;
@@ -248,39 +249,56 @@ impl Hunter<'_> {
         let (begun, plan) = (Instant::now(), self.plan);
         let mut search = Search::new(plan.strategy, plan.experiment.hunt.seed, plan.experiment.fields.len());
         let mut worst = Worst::new(plan);
-        let most = self.limit.runs.unwrap_or(u64::MAX);
-        let mut next = 0;
-        while next < most && !self.is_over(begun) {
+        let (most, mut next) = (self.limit.most().unwrap_or(u64::MAX), 0);
+        while next < most && !self.limit.is_over(begun) {
             let mut points = search.next()?;
             points.truncate(usize::try_from(most - next).unwrap_or(usize::MAX));
             let tasks: Vec<_> = (next..).zip(&points).map(|(run, point)| plan.task(run, point)).collect();
             let own = self.options.shard.unwrap_or(Shard::WHOLE);
             let tasks: Vec<_> =
                 tasks.into_iter().filter(|task| Shard::of(task.run, own.count()) == own).collect();
-            self.batches.run(tasks.clone(), self.limit.runs.unwrap_or(0))?;
+            self.run(tasks.clone(), begun)?;
             next += points.len() as u64;
             let mut costs = Vec::new();
             for task in tasks {
                 let Some(row) = self.batches.rows.get(&task.run) else {
-                    worst.interrupted = true;
+                    worst.interrupted = self.options.stop.load(Ordering::Relaxed);
                     return Ok(worst);
                 };
                 costs.push(worst.note(task, row));
+                if self.limit.first && worst.fallen > 0 {
+                    return Ok(worst);
+                }
             }
             search.tell(&points, costs);
             // A brain that never starts does not in later runs either.
             if worst.failed == worst.runs && own == Shard::WHOLE {
                 break;
             }
-            if self.limit.first && worst.fallen > 0 {
-                break;
-            }
         }
         Ok(worst)
     }
 
+    /// Does a batch, as far as the limit lets it.
+    fn run(&mut self, tasks: Vec<Task>, begun: Instant) -> Result<(), Error> {
+        let (limit, has_fallen) = (self.limit, AtomicBool::new(false));
+        let look = |row: &Row| {
+            let falls = row.outcome.as_ref().is_ok_and(|ran| ran.fall.is_some_and(|fall| !fall.holds));
+            has_fallen.fetch_or(falls, Ordering::Relaxed);
+        };
+        let goes_on = || !(limit.is_over(begun) || limit.first && has_fallen.load(Ordering::Relaxed));
+        self.batches.run_while(tasks, limit.most().unwrap_or(0), look, goes_on).map(|_| ())
+    }
+}
+
+impl Limit {
+    /// The most runs; `None` if the time alone limits them.
+    fn most(&self) -> Option<u64> {
+        self.runs.or_else(|| self.within.is_none().then_some(RUNS))
+    }
+
     fn is_over(&self, begun: Instant) -> bool {
-        self.limit.within.is_some_and(|within| begun.elapsed() >= within)
+        self.within.is_some_and(|within| begun.elapsed() >= within)
     }
 }
 
@@ -325,6 +343,9 @@ impl Worst {
 
 /// Worse than nothing: more robust than any run is.
 const NO_COST: f64 = 2e300;
+
+/// Runs without any limit given.
+const RUNS: u64 = 1000;
 
 /// The number of runs that are shown.
 const MOST_SHOWN: usize = 10;
