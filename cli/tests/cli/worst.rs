@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{baudbot, good};
+use crate::cli::sweep::wait_for_rows;
+use crate::cli::{Running, baudbot, good};
 
 const NEAR: &str = r#"
 scenario = "wander"
@@ -84,6 +85,39 @@ fn a_search_that_finds_nothing_says_what_that_is_worth() {
         told.contains("not found in 30 runs; with 95 % confidence fewer than 11.57 % of such runs do"),
         "{told}"
     );
+}
+
+/// One machine, and eight of which each is killed twice.
+#[test]
+fn shards_that_are_killed_and_go_on_find_what_one_machine_finds() {
+    let toml = NEAR.replace("seconds = 10.0", "seconds = 20.0") + "[worst]\nmethod = \"random\"\n";
+    let (file, out) = experiment("killed", &toml);
+    let runs = ["--runs", "160"];
+    let whole = baudbot(&[&["worst", &file, "--out", &out], &runs[..]].concat());
+    assert_eq!(whole.0, 1, "{}", whole.2);
+    let folder = Path::new(&out).with_file_name("shards");
+    let of = |shard: usize| folder.join(shard.to_string()).display().to_string();
+    for shard in 0..8 {
+        let (name, out) = (format!("{shard}/8"), of(shard));
+        let long = [&["worst", &file, "--shard", &name, "--out", &out, "--jobs", "1"], &runs[..]].concat();
+        for rows in [2, 5] {
+            let running = Running::start(&long);
+            wait_for_rows(&out, rows);
+            // SIGKILL.
+            drop(running);
+        }
+        assert_eq!(baudbot(&long).0, 0);
+        let lines = std::fs::read_to_string(Path::new(&out).join("rows.jsonl")).unwrap().lines().count();
+        assert_eq!(lines, 21, "no run is there twice");
+    }
+    let (sources, merged) = (folder.display().to_string(), folder.with_file_name("merged"));
+    let to = merged.display().to_string();
+    let told = baudbot(&[&["worst", &file, "--merge", &sources, "--out", &to], &runs[..]].concat());
+    assert_eq!(told.1, whole.1);
+    for name in ["summary.txt", "worst.toml", "worst.svg"] {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).unwrap();
+        assert!(read(&merged) == read(Path::new(&out)), "{name} differs");
+    }
 }
 
 /// By way of a server, to which programs attach, the same runs are seen at each tick.

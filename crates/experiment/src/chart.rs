@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use baudbot_plot::scale::number;
 use baudbot_plot::{caption, chart as plot};
 
-use crate::experiment::{Chart, Experiment};
+use crate::experiment::Experiment;
 use crate::factor::{Choice, Field, Setting};
 use crate::figures::INFOS;
 use crate::raw::ChartKind;
+use crate::requested_charts::Chart;
 use crate::run_record::Row;
 use crate::seeds::Seeds;
 use crate::statistics::{Sample, wilson};
@@ -17,6 +18,8 @@ use crate::statistics::{Sample, wilson};
 #[derive(Debug)]
 pub struct Graphs {
     data: Vec<Data>,
+    /// The values of the first combination, by charts and the places of seeds, which differences are from.
+    first: Vec<Vec<Option<f64>>>,
 }
 
 /// The points of a chart, by the places of its two fields' values.
@@ -32,23 +35,32 @@ struct Point {
 impl Graphs {
     /// The charts without any runs.
     pub fn new(experiment: &Experiment) -> Self {
-        Self { data: experiment.charts.iter().map(|_| Data::new()).collect() }
+        let charts = experiment.charts.len();
+        Self { data: vec![Data::new(); charts], first: vec![Vec::new(); charts] }
     }
 
-    /// Takes in a row.
+    /// Takes in a row; rows come in the order of their runs.
     pub fn add(&mut self, experiment: &Experiment, row: &Row) {
-        let Ok(ran) = &row.outcome else { return };
         let cell = experiment.task(row.run).cell;
-        for (chart, data) in experiment.charts.iter().zip(&mut self.data) {
+        let seeds = experiment.seeds.count();
+        for ((chart, data), first) in experiment.charts.iter().zip(&mut self.data).zip(&mut self.first) {
             let place = |i: usize| place(&experiment.fields[i], &cell.levels[i].name, cell.levels[i].number);
             let key = (place(chart.x), chart.by.map_or(0, place));
-            let value = match chart.figure {
+            let value = row.outcome.as_ref().ok().and_then(|ran| match chart.figure {
                 Some(figure) => ran.figures.get(figure),
                 None => experiment.succeeded(row).map(|success| f64::from(u8::from(success))),
-            };
-            let point = data.entry(key).or_default();
-            point.is_share = chart.figure.is_none();
-            value.into_iter().for_each(|value| point.sample.add(value));
+            });
+            if chart.is_difference && row.run < seeds {
+                first.push(value);
+            }
+            let from = first.get((row.run % seeds) as usize).copied().flatten();
+            let value =
+                if chart.is_difference { value.zip(from).map(|(value, from)| value - from) } else { value };
+            if row.outcome.is_ok() {
+                let point = data.entry(key).or_default();
+                point.is_share = chart.figure.is_none() && !chart.is_difference;
+                value.into_iter().for_each(|value| point.sample.add(value));
+            }
         }
     }
 
@@ -56,7 +68,7 @@ impl Graphs {
     pub(crate) fn names() -> impl Iterator<Item = String> {
         let figures = INFOS.iter().map(|info| info.name).chain(["success"]);
         figures.flat_map(|figure| {
-            ["", "-heat"].into_iter().flat_map(move |kind| {
+            ["", "-heat", "-difference", "-difference-heat"].into_iter().flat_map(move |kind| {
                 let numbers = (2..=9).map(|number| format!("-{number}"));
                 [String::new()]
                     .into_iter()
@@ -71,18 +83,28 @@ impl Graphs {
         let mut files: Vec<(String, String)> = Vec::new();
         for (chart, data) in experiment.charts.iter().zip(&self.data) {
             let figure = chart.figure.map_or("success", |figure| figure.info().name);
+            let difference = if chart.is_difference { "-difference" } else { "" };
             let kind = if chart.kind == ChartKind::Heat { "-heat" } else { "" };
-            let same = files.iter().filter(|(name, _)| name.starts_with(&format!("{figure}{kind}"))).count();
+            let stem = format!("{figure}{difference}{kind}");
+            let same = files.iter().filter(|(name, _)| is_numbered(name, &stem)).count();
             let number = if same > 0 { format!("-{}", same + 1) } else { String::new() };
             let drawn = drawn(experiment, chart, data);
             let picture = match chart.kind {
                 ChartKind::Lines => drawn.lines(),
                 ChartKind::Heat => drawn.heat_map(),
             };
-            files.push((format!("{figure}{kind}{number}.svg"), picture));
+            files.push((format!("{stem}{number}.svg"), picture));
         }
         files
     }
+}
+
+/// Whether a file's name is this one, with or without a number.
+fn is_numbered(name: &str, stem: &str) -> bool {
+    let rest = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".svg"));
+    rest.is_some_and(|rest| {
+        rest.is_empty() || rest.strip_prefix('-').is_some_and(|n| n.parse::<u32>().is_ok())
+    })
 }
 
 impl Point {
@@ -104,6 +126,7 @@ fn drawn(experiment: &Experiment, chart: &Chart, data: &Data) -> plot::Chart {
     let has_bands = chart.kind == ChartKind::Lines && experiment.seeds.count() > 1;
     let note = if has_bands { "; bands: 95 % confidence" } else { "" };
     let range = match chart.figure {
+        None if chart.is_difference => plot::Range::Shares,
         None => plot::Range::WholeShares,
         Some(figure) if figure.info().is_share => plot::Range::Shares,
         Some(_) => plot::Range::Numbers,
@@ -113,7 +136,7 @@ fn drawn(experiment: &Experiment, chart: &Chart, data: &Data) -> plot::Chart {
         subtitle: subtitle(experiment, chart) + note,
         x: field(&experiment.fields[chart.x]),
         by: chart.by.map(|by| field(&experiment.fields[by])),
-        figure: plot::Figure { title: figure_title(chart).to_owned(), range },
+        figure: plot::Figure { title: figure_title(chart), range },
         points: data.iter().filter_map(|(&key, point)| Some((key, point.value()?))).collect(),
     }
 }
@@ -141,8 +164,9 @@ fn field(field: &Field) -> plot::Field {
     plot::Field { label: field.label.clone(), title: field.title(), values }
 }
 
-fn figure_title(chart: &Chart) -> &'static str {
-    chart.figure.map_or("runs that succeed", |figure| figure.info().title)
+fn figure_title(chart: &Chart) -> String {
+    let title = chart.figure.map_or("runs that succeed", |figure| figure.info().title);
+    if chart.is_difference { format!("difference of {title}") } else { title.to_owned() }
 }
 
 /// The title of a chart.
@@ -163,7 +187,19 @@ fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
     let others: Vec<_> = others.map(|i| experiment.fields[i].label.as_str()).collect();
     let over = if others.is_empty() { String::new() } else { format!(", mean over {}", others.join(", ")) };
     let length = experiment.seconds.map(|seconds| format!(", {} s", number(seconds))).unwrap_or_default();
-    format!("{}{length}, {}{over}", of_what(experiment), seeds(experiment))
+    let from = if chart.is_difference {
+        format!(", from {} with the same seeds", first(experiment))
+    } else {
+        String::new()
+    };
+    format!("{}{length}, {}{over}{from}", of_what(experiment), seeds(experiment))
+}
+
+/// The values of the first combination.
+fn first(experiment: &Experiment) -> String {
+    let levels = experiment.cell(0).levels;
+    let values = experiment.fields.iter().zip(&levels);
+    values.map(|(field, level)| format!("{} {}", field.label, level.name)).collect::<Vec<_>>().join(", ")
 }
 
 /// The brains that drove, their scenario, and their links unless those are varied.

@@ -11,11 +11,12 @@ use toml::Value;
 use crate::checked_fields::{fields, fields_of, seconds, within};
 use crate::design::{Cell, Design};
 use crate::error::Error;
-use crate::factor::{Choice, Field, Setting};
+use crate::factor::{self, Field, Setting};
 use crate::figures::Figure;
 use crate::hunt::Hunt;
 use crate::places;
-use crate::raw::{self, ChartKind, Wants};
+use crate::raw::{self, Wants};
+use crate::requested_charts::{Chart, chart_of, usual_charts};
 use crate::requirement::{Demand, Demands};
 use crate::run_record::{self, Ran, Row, Task};
 use crate::seeds::Seeds;
@@ -74,21 +75,6 @@ pub struct Find {
     pub tolerance: Option<f64>,
 }
 
-/// A drawing of a figure.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chart {
-    /// The figure that it shows; `None` is the share of runs that succeed.
-    pub figure: Option<Figure>,
-    /// The kind of the chart.
-    pub kind: ChartKind,
-    /// The field along the horizontal axis, by its place.
-    pub x: usize,
-    /// The field with a line each, or along the vertical axis of colours, by its place.
-    pub by: Option<usize>,
-    /// The title above it, if the file has one.
-    pub title: Option<String>,
-}
-
 impl Experiment {
     /// Reads an experiment. `stem` is its name if it gives none; `find` finds the text of a scenario.
     ///
@@ -121,7 +107,7 @@ impl Experiment {
         let charts = charts.into_iter().enumerate();
         let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, has_success));
         let (brains, lifetime) = brains(raw.brain, raw.brains)?;
-        Ok(Self {
+        let experiment = Self {
             name: raw.name.filter(|name| !name.is_empty()).unwrap_or_else(|| stem.to_owned()),
             description: raw.description,
             scenario: raw.scenario,
@@ -140,7 +126,26 @@ impl Experiment {
             success,
             requirements,
             nearness: raw.nearness,
-        })
+        };
+        experiment.refuse_differences()?;
+        Ok(experiment)
+    }
+
+    /// Differences are from a first combination, seed by seed.
+    fn refuse_differences(&self) -> Result<(), Error> {
+        let chart = self.charts.iter().position(|chart| chart.is_difference);
+        match chart.filter(|_| !self.has_pairs()) {
+            Some(i) => {
+                let problem = "needs several `seeds`, and values or levels in place of random combinations";
+                Err(Error::field(format!("charts[{i}].difference"), problem))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether combinations are compared with the first, seed by seed: there are several seeds, and the first means something.
+    pub(crate) fn has_pairs(&self) -> bool {
+        self.seeds.count() > 1 && matches!(self.design, Design::Grid | Design::List)
     }
 
     /// Whether any of its brains is a program.
@@ -239,7 +244,7 @@ impl Experiment {
     /// # Errors
     /// If there is none, with those that there are.
     pub fn place(&self, name: &str) -> Result<usize, UnknownName> {
-        place(&self.fields, name)
+        factor::place(&self.fields, name)
     }
 }
 
@@ -249,23 +254,6 @@ pub(crate) fn bounded(path: &str, runs: u128) -> Result<u64, Error> {
     few.ok_or_else(|| {
         Error::field(path, format!("make {runs} runs, and an experiment has at most {MOST_RUNS}"))
     })
-}
-
-fn place(fields: &[Field], name: &str) -> Result<usize, UnknownName> {
-    let is_target = |field: &Field| {
-        let first = match &field.choice {
-            Choice::Range(range) => return range.target == name,
-            Choice::Levels(levels) => levels.first(),
-        };
-        matches!(first.map(|level| level.settings.as_slice()), Some([Setting::Scenario { path, .. }]) if path == name)
-            || matches!(
-                first.map(|level| level.settings.as_slice()),
-                Some([Setting::Parameter { name: own, .. }]) if name.strip_prefix("brain.") == Some(own)
-            )
-    };
-    let labels: Vec<_> = fields.iter().map(|field| field.label.as_str()).collect();
-    let found = labels.iter().position(|label| *label == name).or_else(|| fields.iter().position(is_target));
-    found.ok_or_else(|| UnknownName::new("field", name, &labels))
 }
 
 fn unique(fields: &[Field]) -> Result<(), Error> {
@@ -333,49 +321,6 @@ fn find_of(raw: &raw::Find) -> Result<Find, Error> {
         return Err(Error::field("find.tolerance", format!("must be positive, is {tolerance}")));
     }
     Ok(Find { wants: raw.wants, share, tolerance: raw.tolerance })
-}
-
-/// The charts of an experiment that asks for none: how its one or two fields decide over success and distance.
-fn usual_charts(fields: usize, has_success: bool) -> Vec<raw::Chart> {
-    let kinds: &[ChartKind] = match fields {
-        1 => &[ChartKind::Lines],
-        2 => &[ChartKind::Lines, ChartKind::Heat],
-        _ => &[],
-    };
-    let figures = [if has_success { "success" } else { "collisions" }, "distance_m"];
-    let chart =
-        |figure: &str, kind| raw::Chart { figure: figure.to_owned(), kind, x: None, by: None, title: None };
-    figures.into_iter().flat_map(|figure| kinds.iter().map(move |&kind| chart(figure, kind))).collect()
-}
-
-fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Result<Chart, Error> {
-    let at = |name: &str| format!("charts[{i}].{name}");
-    let figure = match raw.figure.as_str() {
-        "success" if success => None,
-        "success" => {
-            return Err(Error::field(at("figure"), "there is no [success] section, which defines success"));
-        }
-        name => Some(Figure::named(name).map_err(|problem| Error::field(at("figure"), problem))?),
-    };
-    let find =
-        |field: &str, name: &str| place(fields, name).map_err(|problem| Error::field(at(field), problem));
-    let x = match &raw.x {
-        Some(name) => find("x", name)?,
-        None => fields.iter().position(Field::is_numeric).unwrap_or(0),
-    };
-    let by = match &raw.by {
-        Some(name) => Some(find("by", name)?),
-        // Lines for the parts of a range would be a tangle.
-        None => (0..fields.len())
-            .find(|&i| i != x && (raw.kind == ChartKind::Heat || fields[i].levels().is_some())),
-    };
-    if by == Some(x) {
-        return Err(Error::field(at("by"), "is the same field as `x`"));
-    }
-    if raw.kind == ChartKind::Heat && by.is_none() {
-        return Err(Error::field(at("kind"), "a heat map needs two [[fields]], there is one"));
-    }
-    Ok(Chart { figure, kind: raw.kind, x, by, title: raw.title })
 }
 
 /// Most runs of an experiment. The journal of so many has about ten gigabytes, and what is known of its lines needs a few hundred

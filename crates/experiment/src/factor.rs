@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use toml::Value;
 
+use baudbot_run::UnknownName;
+
 use crate::error::Error;
 use crate::raw;
 
@@ -280,3 +282,24 @@ const BRAIN: &str = "brain";
 
 /// Above it not every whole number is an `f64`.
 const MOST_WHOLE: f64 = 9e15;
+
+/// The place of a field by its label, or by the path that it varies.
+///
+/// # Errors
+/// If there is none, with those that there are.
+pub(crate) fn place(fields: &[Field], name: &str) -> Result<usize, UnknownName> {
+    let is_target = |field: &Field| {
+        let first = match &field.choice {
+            Choice::Range(range) => return range.target == name,
+            Choice::Levels(levels) => levels.first(),
+        };
+        matches!(first.map(|level| level.settings.as_slice()), Some([Setting::Scenario { path, .. }]) if path == name)
+            || matches!(
+                first.map(|level| level.settings.as_slice()),
+                Some([Setting::Parameter { name: own, .. }]) if name.strip_prefix("brain.") == Some(own)
+            )
+    };
+    let labels: Vec<_> = fields.iter().map(|field| field.label.as_str()).collect();
+    let found = labels.iter().position(|label| *label == name).or_else(|| fields.iter().position(is_target));
+    found.ok_or_else(|| UnknownName::new("field", name, &labels))
+}

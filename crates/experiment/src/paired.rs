@@ -2,11 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::design::Design;
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS};
 use crate::run_record::Row;
-use crate::statistics::{Sample, mcnemar, pairs_for_shares};
+use crate::statistics::{Sample, mcnemar, pairs_for_difference, pairs_for_shares};
 
 /// The runs of the first combination, by the places of their seeds.
 #[derive(Clone, Debug, Default)]
@@ -81,8 +80,11 @@ impl Comparison {
     }
 
     pub(crate) fn json(&self) -> Value {
-        let figure =
-            |sample: &Sample| json!({ "difference": sample.mean(), "plus_minus": sample.half_width() });
+        let figure = |sample: &Sample| {
+            let needed = sample.mean().zip(sample.deviation());
+            let needed = needed.and_then(|(mean, deviation)| pairs_for_difference(mean, deviation, POWER));
+            json!({ "difference": sample.mean(), "plus_minus": sample.half_width(), "seeds_needed": needed })
+        };
         let figures =
             INFOS.iter().zip(&self.figures).map(|(info, sample)| (info.name.to_owned(), figure(sample)));
         let success = self.success().map(|(difference, p)| {
@@ -94,12 +96,7 @@ impl Comparison {
     }
 }
 
-/// Whether the combinations of an experiment are compared: they have more than one seed, and the first means something.
-pub(crate) fn is_compared(experiment: &Experiment) -> bool {
-    experiment.seeds.count() > 1 && matches!(experiment.design, Design::Grid | Design::List)
-}
-
-/// The wanted power of [`Comparison::seeds_needed`].
+/// The wanted power of the numbers of seeds that are needed.
 const POWER: f64 = 0.8;
 
 /// Seeds beyond these are not compared, so that the memory that pairs take is limited.
@@ -117,5 +114,18 @@ mod tests {
         assert!((difference + 0.2).abs() < 1e-12 && (p - 0.021_484_375).abs() < 1e-9, "{difference} {p}");
         assert!((40..60).contains(&comparison.seeds_needed().unwrap()), "{:?}", comparison.seeds_needed());
         assert_eq!(Comparison::default().success(), None);
+    }
+
+    #[test]
+    fn the_interval_of_paired_differences_is_students() {
+        let pairs = [(5.1, 4.9), (4.8, 4.9), (6.0, 5.2), (5.5, 5.0), (4.9, 4.4), (5.7, 5.6)];
+        let mut comparison = Comparison { pairs: 6, ..Comparison::default() };
+        comparison.figures[0] = Sample::of(pairs.map(|(this, first)| this - first));
+        let told = &comparison.json()["figures"][INFOS[0].name];
+        // scipy's ttest_rel, whose interval is from -0.00941 to 0.67608; (1.96 + 0.8416)² (0.32660 / 0.33333)² is 7.53.
+        let number = |name: &str| told[name].as_f64().unwrap();
+        assert!((number("difference") - 1.0 / 3.0).abs() < 1e-12, "{told}");
+        assert!((number("plus_minus") - 0.342_744).abs() < 1e-5, "{told}");
+        assert_eq!(told["seeds_needed"], 8);
     }
 }

@@ -170,6 +170,8 @@ pub(crate) struct Chart {
     pub(crate) x: Option<String>,
     pub(crate) by: Option<String>,
     pub(crate) title: Option<String>,
+    #[serde(default)]
+    pub(crate) difference: bool,
 }
 
 /// The form of a chart.

@@ -166,6 +166,7 @@ mod tests {
             at_ns: 7,
             speed_m_s: 0.3,
             stalest: Some((2, 0.1)),
+            longest_cycle_ns: Some(8),
         };
         let fallen = Ran { fall: Some(fall), ..ran.clone() };
         for outcome in [Ok(ran), Ok(fallen), Err(RunError::new("robots[0].link.baud: must be ≥ 50"))] {

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS, Info};
-use crate::paired::{Baseline, Comparison, is_compared};
+use crate::paired::{Baseline, Comparison};
 use crate::run_record::Row;
 use crate::statistics::{Sample, wilson};
 
@@ -67,7 +67,7 @@ impl Summary {
         cell.add(experiment, row);
         match &mut cell.beside_first {
             Some(comparison) => self.first.compare(experiment, (row.run % seeds) as usize, row, comparison),
-            None if is_compared(experiment) => self.first.add(experiment, row),
+            None if experiment.has_pairs() => self.first.add(experiment, row),
             None => {}
         }
     }
@@ -91,7 +91,7 @@ impl CellSummary {
     fn new(experiment: &Experiment, number: u64) -> Self {
         let levels = experiment.cell(number).levels.into_iter().map(|level| level.name).collect();
         let succeeded = experiment.has_success().then_some(0);
-        let beside_first = (number > 0 && is_compared(experiment)).then(Comparison::default);
+        let beside_first = (number > 0 && experiment.has_pairs()).then(Comparison::default);
         Self { number, levels, runs: 0, failed: 0, succeeded, figures: Default::default(), beside_first }
     }
 

@@ -1,5 +1,6 @@
 //! Experiments from their file to their outputs.
 
+mod rare;
 mod shards;
 mod worst;
 mod writes;
@@ -126,6 +127,48 @@ fn an_experiment_of_one_or_two_fields_has_charts_without_asking() {
     );
     assert_eq!(charts(""), [""; 0]);
     assert_eq!(charts(&format!("{left}[[charts]]\nfigure = \"time_s\"\n")), ["time_s.svg"]);
+}
+
+/// A cable that damages bytes beside one that does not: how many exchanges that costs depends on the seed.
+const CABLES: &str = r#"
+brain = "constant:left=0.4"
+seconds = 1.0
+seeds = 4
+[[fields]]
+field = "brain.right"
+label = "right"
+values = [0.4, 0.5]
+[[fields]]
+label = "cable"
+levels = [{ name = "good" }, { name = "bad", set = ["robots.alice.link.byte_error_rate=0.02"] }]
+[[charts]]
+figure = "exchanges_per_s"
+difference = true
+"#;
+
+#[test]
+fn a_chart_of_differences_is_of_pairs_and_draws_their_intervals() {
+    let (experiment, out) = (experiment(CABLES).unwrap(), folder("difference"));
+    run(&experiment, &out).unwrap();
+    let rows = String::from_utf8(read(&out, "rows.csv")).unwrap();
+    let column = rows.lines().next().unwrap().split(',').position(|name| name == "exchanges_per_s").unwrap();
+    let rates: Vec<f64> =
+        rows.lines().skip(1).map(|row| row.split(',').nth(column).unwrap().parse().unwrap()).collect();
+    // The second combination is the first one's with the bad cable.
+    let differences = crate::statistics::Sample::of((0..4).map(|i| rates[4 + i] - rates[i]));
+    let svg = String::from_utf8(read(&out, "exchanges_per_s-difference.svg")).unwrap();
+    let (mean, half) = (differences.mean().unwrap(), differences.half_width().unwrap());
+    let number = baudbot_plot::scale::number;
+    let words = format!(": {} ({} to {})", number(mean), number(mean - half), number(mean + half));
+    assert!(mean < -0.5 && half > 0.1 && svg.contains(&words), "{words} {rates:?}");
+    assert!(svg.contains("from right 0.4, cable good with the same seeds"));
+    let _ = std::fs::remove_dir_all(out);
+    for toml in
+        [CABLES.replace("seeds = 4", "seeds = [4]"), format!("design = \"random\"\nsamples = 3\n{CABLES}")]
+    {
+        let told = refused(&toml);
+        assert!(told.starts_with("charts[0].difference: needs several `seeds`"), "{told}");
+    }
 }
 
 #[test]

@@ -42,6 +42,8 @@ pub struct Fall {
     pub speed_m_s: f64,
     /// The place of the sensor whose reading was oldest of those that had come, and its age in milliseconds.
     pub stalest: Option<(u32, f64)>,
+    /// The longest of the robot's control cycles until then that were answered, in nanoseconds.
+    pub longest_cycle_ns: Option<u64>,
 }
 
 impl Demand {

@@ -81,6 +81,7 @@ struct RobotMonitor {
     monitor: Monitor<Observable>,
     speed_m_s: f64,
     stalest: Option<(u32, f64)>,
+    longest_cycle_ns: Option<u64>,
 }
 
 impl Monitors {
@@ -102,6 +103,7 @@ impl Monitors {
                 monitor: Monitor::new(demand.requirement.clone()),
                 speed_m_s: 0.0,
                 stalest: None,
+                longest_cycle_ns: None,
             }));
             if let Some(name) = demand.robot.as_ref().filter(|_| each.len() == before) {
                 let names: Vec<_> = world.robots().map(|view| view.spec().name.as_str()).collect();
@@ -140,6 +142,7 @@ impl Monitors {
                 let speed_m_s =
                     if view.collided() { self.speeds_m_s[robot] } else { view.motion().speed_m_s };
                 (watched.speed_m_s, watched.stalest) = (speed_m_s, stalest(&view, now_ns));
+                watched.longest_cycle_ns = view.cycles().durations.max_ns();
             }
         }
         self.speeds_m_s.clear();
@@ -158,6 +161,7 @@ impl Monitors {
                 at_ns: verdict.at_ns,
                 speed_m_s: watched.speed_m_s,
                 stalest: watched.stalest,
+                longest_cycle_ns: watched.longest_cycle_ns,
             }
         })
     }

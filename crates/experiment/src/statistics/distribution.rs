@@ -4,7 +4,7 @@ use std::f64::consts::SQRT_2;
 
 /// The bound below which 97.5 % of a t distribution with so many degrees of freedom lie: a table, and beyond it the
 /// first terms of the expansion in 1 / ν about the normal distribution (Abramowitz and Stegun, 26.7.5).
-pub(super) fn student(freedom: u64) -> f64 {
+pub(crate) fn student(freedom: u64) -> f64 {
     if let Some(value) = usize::try_from(freedom - 1).ok().and_then(|i| STUDENT.get(i)) {
         return *value;
     }

@@ -5,6 +5,7 @@ mod paired;
 mod proportion;
 mod sample;
 
-pub use paired::{differences, mcnemar, pairs_for_difference, pairs_for_shares};
+pub(crate) use distribution::student;
+pub use paired::{mcnemar, pairs_for_difference, pairs_for_shares};
 pub use proportion::{clopper_pearson, runs_without_failure, wilson};
 pub use sample::Sample;

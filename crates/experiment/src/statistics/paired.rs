@@ -1,17 +1,6 @@
 //! Pairs: runs of two variants with the same seed, which differ less than runs with different ones.
 
 use super::distribution::{NORMAL, beta_below, normal};
-use super::sample::Sample;
-
-/// The differences within pairs, the first less the second. Their mean and its interval are Student's over pairs, which takes
-/// from the interval what the two of a pair have in common.
-pub fn differences(pairs: impl IntoIterator<Item = (f64, f64)>) -> Sample {
-    let mut sample = Sample::default();
-    for (first, second) in pairs {
-        sample.add(first - second);
-    }
-    sample
-}
 
 /// How likely pairs are to differ at least as unequally by chance, if both variants succeed equally often: McNemar's exact test,
 /// two-sided, of the numbers of pairs in which only the first succeeded and only the second. Pairs in which both succeed
@@ -57,15 +46,6 @@ fn whole(pairs: f64) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_interval_of_paired_differences_is_students() {
-        let pairs = [(5.1, 4.9), (4.8, 4.9), (6.0, 5.2), (5.5, 5.0), (4.9, 4.4), (5.7, 5.6)];
-        let sample = differences(pairs);
-        let (mean, half) = (sample.mean().unwrap(), sample.half_width().unwrap());
-        // scipy's ttest_rel, whose interval is from -0.00941 to 0.67608.
-        assert!((mean - 1.0 / 3.0).abs() < 1e-12 && (half - 0.342_744).abs() < 1e-5, "{mean} ± {half}");
-    }
 
     #[test]
     fn mcnemars_test_is_the_binomial_one_of_pairs_that_differ() {

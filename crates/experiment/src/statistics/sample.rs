@@ -11,6 +11,13 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// All of these numbers.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sample = Self::default();
+        values.into_iter().for_each(|value| sample.add(value));
+        sample
+    }
+
     /// Takes a number in.
     pub fn add(&mut self, value: f64) {
         self.count += 1;
@@ -31,9 +38,14 @@ impl Sample {
 
     /// Half the width of the interval about the mean, by Student's t distribution; it takes two numbers.
     pub fn half_width(&self) -> Option<f64> {
+        let deviation = self.deviation()?;
+        Some(student(self.count - 1) * deviation / (self.count as f64).sqrt())
+    }
+
+    /// The standard deviation of what the values were drawn from; it takes two numbers.
+    pub fn deviation(&self) -> Option<f64> {
         let freedom = self.count.checked_sub(1).filter(|&freedom| freedom > 0)?;
-        let variance = self.squares / freedom as f64;
-        Some(student(freedom) * (variance / self.count as f64).sqrt())
+        Some((self.squares / freedom as f64).sqrt())
     }
 }
 
@@ -43,11 +55,8 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_mean_is_students() {
-        let mut sample = Sample::default();
-        assert_eq!((sample.mean(), sample.half_width()), (None, None));
-        for value in [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0] {
-            sample.add(value);
-        }
+        assert_eq!((Sample::default().mean(), Sample::default().half_width()), (None, None));
+        let sample = Sample::of([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]);
         assert_eq!(sample.mean(), Some(5.0));
         // The standard deviation is sqrt(32 / 7) = 2.13809, and t of 7 is 2.3646.
         let expected = 2.3646 * 2.13809 / 8.0_f64.sqrt();

@@ -3,6 +3,7 @@
 use std::fs;
 
 use super::*;
+use crate::figures::Figure;
 use crate::statistics::clopper_pearson;
 use crate::worst::Case;
 use crate::{Limit, Shard, Task, Worst, local_runner, merge_worst, worst};
@@ -95,6 +96,32 @@ fn the_worst_run_becomes_a_plain_scenario_that_fails_in_the_same_way() {
         assert!(fall.holds, "{change} is not needed:\n{}", plainer.toml);
     }
     assert!(case.account.starts_with("alice: always clearance_m > 0.02 fails by 0.0"), "{}", case.account);
+}
+
+/// The referee of the budget: what a search for the longest cycle finds lies between those of runs that nobody searched for, and the bound.
+#[test]
+fn the_longest_cycle_that_is_found_is_told_beside_the_bound_of_the_budget() {
+    let toml = HUNT.replace("clearance_m > 0.02", "deadline_slack_ms > 1000");
+    let experiment = experiment(&toml).unwrap();
+    let found = hunt(&experiment, "cycles", 40);
+    let case = found.case.as_ref().unwrap();
+    let scenario = baudbot_scenario::parse(&case.toml).unwrap();
+    let deadline_ns = scenario.robots[0].deadline.within_ns;
+    let sampled = (1..=3).map(|seed| {
+        let toml = case.toml.replace(&format!("seed = {}", scenario.seed), &format!("seed = {seed}"));
+        let ran = again(&experiment, &Case { toml, ..case.clone() }).outcome.unwrap();
+        deadline_ns as f64 - ran.figures.get(Figure::DeadlineSlackMinMs).unwrap() * 1e6
+    });
+    let sampled_ns = sampled.fold(0.0, f64::max);
+    let tightness = case.tightness.unwrap();
+    let (found_ns, bound_ns) = (tightness.found_ns as f64, tightness.bound_ns.unwrap() as f64);
+    // Slack is in milliseconds, and so not to the last bit.
+    assert!(sampled_ns <= found_ns + 1.0 && found_ns <= bound_ns, "{sampled_ns} {tightness:?}");
+    assert!((0.5..=1.0).contains(&tightness.share().unwrap()), "{tightness}");
+    let told = found.text(&experiment);
+    assert!(told.contains(&format!("{:.2} of the {:.1} ms", found_ns / bound_ns, bound_ns / 1e6)), "{told}");
+    // Any slack is less than that, so nothing of the scenario is needed but its end.
+    assert!(case.is_plainest && told.contains("(made plain with "), "{told}");
 }
 
 /// A line without a key of an inline table, or nothing if it is of that key alone.

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicUsize;
 
 use super::Worst;
+use super::report::Tightness;
 use super::shrink::Draft;
 use super::splitting::take;
 use crate::design::Cell;
@@ -39,8 +40,12 @@ pub struct Case {
     pub hash: u64,
     /// What happened, in a sentence.
     pub account: String,
+    /// The longest control cycle beside what the budget foretells, if a cycle was answered.
+    pub tightness: Option<Tightness>,
     /// The number of runs that it took to make the case plain.
     pub trials: u64,
+    /// Whether nothing more can be left out of it; if not, the runs for that were used up, or it does not fail.
+    pub is_plainest: bool,
 }
 
 impl Case {
@@ -50,6 +55,20 @@ impl Case {
         let brains = self.brains.iter().flat_map(option("--brain"));
         let all = brains.chain(self.parameters.iter().flat_map(option("--parameter")));
         all.chain(["--require".to_owned(), self.requirement.clone()]).collect()
+    }
+
+    /// How plain it is, in words.
+    pub(super) fn plainness(&self) -> String {
+        match (self.fall.holds, self.is_plainest) {
+            (true, _) => "as it was drawn, since it does not fail".to_owned(),
+            (false, true) => format!("made plain with {} runs", self.trials),
+            (false, false) => {
+                format!(
+                    "made plainer with {} runs, the most that this may take; more may be left out",
+                    self.trials
+                )
+            }
+        }
     }
 
     /// The command that does the run again, for a scenario in this file.
@@ -76,7 +95,7 @@ pub(super) fn worst_case(
     let court = Court { experiment, options, name, brains, parameters };
     let mut draft = Draft::new(base, sets);
     let Some(ran) = court.run(&draft.toml()?)? else { return Ok(None) };
-    let mut trials = 1;
+    let (mut trials, mut is_plainest) = (1, false);
     let mut ran = ran.map_err(|error| {
         Error::Refused(format!("the worst run, {}, cannot be done again: {error}", tried.task.run))
     })?;
@@ -91,11 +110,12 @@ pub(super) fn worst_case(
         let note = format!("run {} fails; it is made plain, which takes some hundred runs", tried.task.run);
         (options.tell)(&Told::Note(note));
         match draft.shrink(&court, ran, &mut trials)? {
-            Some(plain) => ran = plain,
+            Some(plain) => (ran, is_plainest) = plain,
             None => return Ok(None),
         }
     }
-    court.case(tried.task.run, &draft, &ran, trials).map(Some)
+    let case = court.case(tried.task.run, &draft, &ran)?;
+    Ok(Some(Case { trials, is_plainest, ..case }))
 }
 
 /// The place where drafts are tried.
@@ -155,7 +175,7 @@ impl Court<'_> {
         Ok(ran)
     }
 
-    fn case(&self, run: u64, draft: &Draft, ran: &Ran, trials: u64) -> Result<Case, Error> {
+    fn case(&self, run: u64, draft: &Draft, ran: &Ran) -> Result<Case, Error> {
         let toml = draft.toml()?;
         let scenario = baudbot_scenario::parse(&toml).map_err(|error| Error::Refused(error.to_string()))?;
         let fall = ran.fall.ok_or_else(|| Error::Refused("nothing is required of the run".to_owned()))?;
@@ -169,10 +189,12 @@ impl Court<'_> {
             requirement: demand.to_string(),
             robot: spec.name.clone(),
             account: super::report::account(demand, spec, ran, &fall),
+            tightness: Tightness::of(&scenario, spec, &fall),
             toml,
             fall,
             hash: ran.hash,
-            trials,
+            trials: 0,
+            is_plainest: false,
         })
     }
 }

@@ -21,6 +21,7 @@ use baudbot_run::in_process::InProcess;
 use baudbot_sim::random::Stream;
 
 pub use case::Case;
+pub use report::Tightness;
 pub use splitting::Likelihood;
 pub use trial::trial;
 

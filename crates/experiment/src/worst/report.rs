@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use baudbot_fields::printable::{Printable, PrintableLines};
 use baudbot_plot::text::columns;
+use baudbot_scenario::budget::RobotBudget;
+use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use serde_json::{Value, json};
 
@@ -14,7 +16,7 @@ use crate::outputs::{Content, Folder};
 use crate::raw::Strategy;
 use crate::requirement::{Demand, Fall};
 use crate::run_record::Ran;
-use crate::statistics::clopper_pearson;
+use crate::statistics::{clopper_pearson, runs_without_failure};
 
 impl Worst {
     /// Whether a run did not keep to what is required.
@@ -55,8 +57,10 @@ impl Worst {
             let _ = writeln!(text, "{}", case.account);
             let changes =
                 if case.changes.is_empty() { "nothing".to_owned() } else { case.changes.join(", ") };
-            let _ =
-                writeln!(text, "changed in the scenario: {changes} (made plain with {} runs)", case.trials);
+            if let Some(tightness) = case.tightness {
+                let _ = writeln!(text, "{tightness}");
+            }
+            let _ = writeln!(text, "changed in the scenario: {changes} ({})", case.plainness());
         }
         text
     }
@@ -71,7 +75,11 @@ impl Worst {
         };
         match self.bounds() {
             Some((_, high)) if self.fallen == 0 => {
-                format!("{head}; with 95 % confidence fewer than {} of such runs do", percent(high))
+                let claim = 10_f64.powf((high / 2.0).log10().floor());
+                let needed = runs_without_failure(claim)
+                    .map(|needed| format!(" (for fewer than {}: {needed} runs without one)", percent(claim)));
+                let needed = needed.unwrap_or_default();
+                format!("{head}; with 95 % confidence fewer than {} of such runs do{needed}", percent(high))
             }
             Some((low, high)) => {
                 format!("{head}; with 95 % confidence {} to {} of such runs do", percent(low), percent(high))
@@ -127,7 +135,10 @@ impl Worst {
             "case": self.case.as_ref().map(|case| json!({
                 "run": case.run, "account": case.account, "changes": case.changes, "robustness": case.fall.robustness,
                 "at_s": case.fall.at_s(), "robot": case.robot, "holds": case.fall.holds, "options": case.options(),
-                "state_hash": format!("{:016x}", case.hash), "trials": case.trials,
+                "state_hash": format!("{:016x}", case.hash), "trials": case.trials, "is_plainest": case.is_plainest,
+                "cycle": case.tightness.map(|tightness| json!({
+                    "longest_ns": tightness.found_ns, "bound_ns": tightness.bound_ns, "share": tightness.share(),
+                })),
             })),
         })
     }
@@ -142,6 +153,13 @@ fn likely(Likelihood { probability, interval: (low, high), estimates, runs }: &L
     let mut text = format!(
         "a run fails with probability {probability:.2e}; with 95 % confidence {low:.2e} to {high:.2e} ({head})\n"
     );
+    let none = estimates.iter().filter(|estimate| **estimate == 0.0).count();
+    if none > 0 {
+        let _ = writeln!(
+            text,
+            "{none} of the estimates met no failure, so the interval is too narrow: give more particles in [worst]"
+        );
+    }
     let half = (high - low) / 2.0 / probability;
     if half > 0.0 {
         let plain = (NORMAL / half).powi(2) * (1.0 - probability) / probability;
@@ -176,6 +194,40 @@ pub(super) fn account(demand: &Demand, spec: &RobotSpec, ran: &Ran, fall: &Fall)
         let _ = write!(text, " ({})", Printable(&ran.ending));
     }
     text
+}
+
+/// The longest control cycle before what decides, beside the bound of the robot's budget.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tightness {
+    /// The longest cycle that was answered, in nanoseconds.
+    pub found_ns: u64,
+    /// The bound of the budget, in nanoseconds; `None` if it has none.
+    pub bound_ns: Option<u64>,
+}
+
+impl Tightness {
+    pub(super) fn of(scenario: &Scenario, spec: &RobotSpec, fall: &Fall) -> Option<Self> {
+        let found_ns = fall.longest_cycle_ns?;
+        Some(Self { found_ns, bound_ns: RobotBudget::without_remedies(scenario, spec).cycle.total.worst_ns })
+    }
+
+    /// The longest cycle as a share of the bound.
+    pub fn share(&self) -> Option<f64> {
+        self.bound_ns.map(|bound_ns| self.found_ns as f64 / bound_ns as f64)
+    }
+}
+
+impl std::fmt::Display for Tightness {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ms = |ns: u64| ns as f64 / 1e6;
+        write!(f, "longest control cycle until then: {:.1} ms", ms(self.found_ns))?;
+        match (self.bound_ns, self.share()) {
+            (Some(bound_ns), Some(share)) => {
+                write!(f, ", {share:.2} of the {:.1} ms that its budget foretells at most", ms(bound_ns))
+            }
+            (None, _) | (_, None) => f.write_str(", for which its budget has no bound"),
+        }
+    }
 }
 
 /// Writes the files of a search.

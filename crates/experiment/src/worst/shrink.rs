@@ -34,13 +34,14 @@ impl Draft {
         self.sets.iter().chain(&self.without).cloned().collect()
     }
 
-    /// Tries plainer drafts until none of them fails, and becomes the last that does. Returns its run; `None` if it was stopped.
+    /// Tries plainer drafts until none of them fails, and becomes the last that does. Returns its run, and whether
+    /// nothing plainer fails; `None` if it was stopped.
     pub(super) fn shrink(
         &mut self,
         court: &Court<'_>,
         first: Ran,
         trials: &mut u64,
-    ) -> Result<Option<Ran>, Error> {
+    ) -> Result<Option<(Ran, bool)>, Error> {
         let mut best = first;
         'again: loop {
             // A change may have made a place for another.
@@ -51,7 +52,7 @@ impl Draft {
                 .collect();
             for some in drafts.chunks(AT_A_TIME) {
                 if *trials >= MOST_TRIALS {
-                    break;
+                    return Ok(Some((best, false)));
                 }
                 *trials += some.len() as u64;
                 let texts: Vec<_> = some.iter().map(|(toml, _)| toml.as_str()).collect();
@@ -64,7 +65,7 @@ impl Draft {
                     continue 'again;
                 }
             }
-            return Ok(Some(best));
+            return Ok(Some((best, true)));
         }
     }
 

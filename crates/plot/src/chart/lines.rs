@@ -80,12 +80,13 @@ fn lines(chart: &Chart, at: &[f64]) -> Vec<Line> {
 
 fn heights(lines: &[Line]) -> Vec<f64> {
     let spots = || lines.iter().flat_map(|line| &line.points);
-    let most = spots().map(|spot| spot.y).fold(0.0, f64::max);
+    let most = spots().map(|spot| spot.y.abs()).fold(0.0, f64::max);
     let ends = spots().flat_map(|spot| spot.band.map_or([spot.y; 2], |(low, high)| [low, high]));
     // A quantity that cannot be negative has no negative part of the axis, and a band of two seeds does not flatten
     // all others.
     let least = if spots().all(|spot| spot.y >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
-    ends.map(|end| end.max(least).min(2.0 * most.max(f64::MIN_POSITIVE))).collect()
+    let most = 2.0 * most.max(f64::MIN_POSITIVE);
+    ends.map(|end| end.max(least).clamp(-most, most)).collect()
 }
 
 /// The ticks of the horizontal axis and their labels: at the values, if there is room for them.
@@ -117,7 +118,8 @@ fn grid(
     }
     for tick in up.ticks() {
         let y = up.px(tick);
-        canvas.put(line((frame.left, y), (frame.right, y), GRID));
+        let is_zero = tick == 0.0 && y < frame.bottom;
+        canvas.put(line((frame.left, y), (frame.right, y), if is_zero { FRAME } else { GRID }));
         canvas.put(text((frame.left - 8.0, y + 4.0), "end", &figure.words(tick)).set("fill", PALE_INK));
     }
     canvas.put(line((frame.left, frame.bottom), (frame.right, frame.bottom), FRAME));
