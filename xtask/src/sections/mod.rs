@@ -139,7 +139,7 @@ pub(crate) static SECTIONS: &[Section] = &[
     Section { name: "recordings", protects: "recordings, by the readers of MCAP and ROS", needs: &[Python], check: |shell, _| python::recordings(shell), ..PLAIN },
     Section { name: "traces", protects: "traces, by Perfetto's own schema", needs: &[Python], check: |shell, _| python::traces(shell), ..PLAIN },
     Section { name: "shards", protects: "a sweep in shards, by Kubernetes' schemas", needs: &[Python], check: |shell, _| python::shards(shell), ..PLAIN },
-    Section { name: "requirements", protects: "the robustness of requirements, by rtamt", needs: &[Python], check: |shell, _| python::requirements(shell), ..PLAIN },
+    Section { name: "requirements", protects: "the robustness of requirements, by rtamt; response times in budgets, by PROSA's analysis", needs: &[Python], check: |shell, _| python::requirements(shell), ..PLAIN },
     Section { name: "strangers", protects: "servers with TLS and tokens, before clients of others", needs: &[Python, Node, TOOLS, OPENSSL, CURL], check: |shell, _| servers::strangers(shell), ..PLAIN },
     Section { name: "deployment", protects: "units, manifests, and servers behind a proxy", needs: &[Python, OPENSSL, CURL, NGINX, Program("systemd-analyze", "systemd")], check: |shell, _| servers::deployment(shell), ..PLAIN },
     Section { name: "ports", protects: "programs of others at serial ports", needs: &[Python, Program("gpsd", "gpsd")], check: |shell, _| chips::ports(shell), ..PLAIN },

@@ -21,20 +21,19 @@ pub(super) fn client(shell: &Shell) -> Result<(), Failure> {
     shell.run(of_all(shell, ["--quiet", "--lib", "--", "--ignored", "a_client_in_python_finds_the_same"]))
 }
 
-/// Robustness of requirements, by a library of temporal logic.
+/// Robustness of requirements, by a library of temporal logic, and response times in budgets, by one of schedules.
 pub(super) fn requirements(shell: &Shell) -> Result<(), Failure> {
-    let python = environment(
-        shell,
-        &shell.place.target.join("require-python"),
-        &["tests/require/requirements.txt"],
-        &["-r", "tests/require/requirements.txt"],
-    )?;
+    let wanted = ["tests/require/requirements.txt", "tests/budget/requirements.txt"];
+    let folder = shell.place.target.join("require-python");
+    let python = environment(shell, &folder, &wanted, &["-r", wanted[0], "-r", wanted[1]])?;
     // As `built` has it, so that nothing is built twice.
     let words =
         ["build", "--quiet", "--workspace", "--all-features", "--bin", "baudbot", "--example", "soak"];
     shell.run(shell.cargo(words.into_iter().chain(["--example", "robustness"])))?;
-    let example = shell.place.program().with_file_name("examples/robustness");
-    shell.run(script(shell, &python, &["tests/require/referee.py", &example.to_string_lossy()]))
+    let program = shell.place.program();
+    let example = program.with_file_name("examples/robustness");
+    shell.run(script(shell, &python, &["tests/require/referee.py", &example.to_string_lossy()]))?;
+    shell.run(script(shell, &python, &["tests/budget/referee.py", &program.to_string_lossy()]))
 }
 
 /// The client's stubs, types and examples.
