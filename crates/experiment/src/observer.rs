@@ -89,8 +89,7 @@ impl Observer {
         let now_ns = world.time().as_ns();
         for robot in world.robots() {
             self.slack.note(excess_ns(&robot), now_ns);
-            let ages = robot.sensors().filter_map(|sensor| sensor.freshness.ages.max_ns()).max();
-            self.staleness.note(ages.map(u64::cast_signed), now_ns);
+            self.staleness.note(robot.longest_age_ns().map(u64::cast_signed), now_ns);
             if let Some((battery, state)) = robot.battery() {
                 let share = state.share(battery);
                 self.battery = Some(self.battery.map_or(share, |least| least.min(share)));

@@ -65,7 +65,15 @@ impl Nearness {
     }
 
     /// Sees the world as it is now.
+    #[inline]
     pub fn see(&mut self, world: &World) {
+        match self.robots.as_mut_slice() {
+            [near] if self.things.is_empty() => near.see_alone(world),
+            _ => self.see_all(world),
+        }
+    }
+
+    fn see_all(&mut self, world: &World) {
         let state = world.state();
         let poses = state.movers.iter().map(|mover| mover.pose);
         let poses = poses.chain(state.movables.iter().map(|movable| movable.pose));
@@ -98,6 +106,17 @@ impl Nearness {
 }
 
 impl Near {
+    /// The same for a robot beside which nothing moves: what counts is how far it is from where it was when its clearance was measured.
+    #[inline]
+    fn see_alone(&mut self, world: &World) {
+        let view = world.robot(0);
+        let pose = view.motion().pose;
+        if view.collided() || !self.course.is_within(pose, self.room_m) {
+            self.course.pose = pose;
+            self.look(world, 0);
+        }
+    }
+
     fn look(&mut self, world: &World, robot: usize) {
         let clearance_m = world.clearance_m(robot);
         if clearance_m < self.least.clearance_m {
@@ -114,6 +133,17 @@ impl Course {
             Form::Polygon(_) => form.reach_m(),
         };
         Self { pose, lever_m }
+    }
+
+    /// Whether no point of the body is farther than this from where it was in its last pose.
+    #[inline]
+    fn is_within(&self, pose: Pose, room_m: f64) -> bool {
+        let turned_m = match self.lever_m {
+            0.0 => 0.0,
+            lever_m => lever_m * angle::difference(pose.heading, self.pose.heading).abs(),
+        };
+        let room_m = room_m - turned_m;
+        room_m >= 0.0 && (pose.position - self.pose.position).norm_squared() <= room_m * room_m
     }
 
     /// The longest way, in metres, of any point of the body from its last pose to this one.

@@ -149,6 +149,11 @@ impl<'a> RobotView<'a> {
         })
     }
 
+    /// The largest age, in nanoseconds, at which a reading was readable so far, of any sensor.
+    pub fn longest_age_ns(&self) -> Option<u64> {
+        self.state.laptop.freshness.iter().filter_map(|freshness| freshness.ages.max_ns()).max()
+    }
+
     /// The numbers of the robot's run so far.
     pub fn counters(&self) -> &'a RobotCounters {
         &self.state.counters

@@ -22,10 +22,14 @@ impl Judge {
     }
 
     /// Sees the world in a tick that is begun, or at the end.
+    #[inline]
     pub fn see(&mut self, world: &World) {
-        if self.demands.is_empty() || self.problem.is_some() {
-            return;
+        if !self.demands.is_empty() && self.problem.is_none() {
+            self.look(world);
         }
+    }
+
+    fn look(&mut self, world: &World) {
         if self.monitors.is_none() {
             match Monitors::new(&self.demands, world) {
                 Ok(monitors) => self.monitors = Some(monitors),
