@@ -55,3 +55,27 @@ fn a_program_on_a_robots_chip_has_its_golden_hash_after_1000_ticks() {
     }
     assert_eq!(found, GOLDEN_CHIP, "{found:#018x}");
 }
+
+/// What `baudbot worst worst-wander --runs 60` changes in `wander`, and the hash of the run's end, which is in the head of its `worst.toml`.
+const WORST: (&[&str], u64) = (
+    &[
+        "end.after_s=10.3",
+        "robots.robot.link.baud=4800",
+        "robots.robot.link.byte_error_rate=0.084",
+        "robots.robot.start.heading_rad=-2.2",
+    ],
+    0x921cdf1ea4fa2f06,
+);
+
+#[test]
+fn the_run_in_which_a_search_found_a_failure_fails_in_the_same_way_everywhere() {
+    let mut local = InProcess::new(scenario(WANDER, WORST.0), "avoid").unwrap();
+    while local.world.ending().is_none() {
+        local.run(1);
+    }
+    // As at the end of a run.
+    local.world.begin();
+    let found = local.world.hash();
+    assert!(local.world.robot(0).collided(), "{:?}", local.world.ending());
+    assert_eq!(found, WORST.1, "{found:#018x}");
+}

@@ -5,7 +5,7 @@
  * where Debian has it. With SHOTS it leaves pictures in that folder.
  */
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawnSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -50,10 +50,16 @@ async function open(
   return page;
 }
 
-/** Runs the main job with this brain, as fast as possible. Gives what the page says of it. */
-async function run(page: Page, brain: string, text?: string): Promise<string> {
+/** Runs the main job, or another scenario, with this brain, as fast as possible. Gives what the page says of it. */
+async function run(page: Page, brain: string, text?: string, scenario?: string): Promise<string> {
   await page.getByTestId("open-start").click();
   const dialog = page.getByTestId("start");
+  if (scenario !== undefined) {
+    await dialog.locator("details", { has: page.getByTestId("scenario-text") }).evaluate((details) => {
+      details.setAttribute("open", "");
+    });
+    await dialog.getByTestId("scenario-text").fill(scenario);
+  }
   await dialog.getByTestId("brain").selectOption(brain);
   if (text !== undefined) await dialog.getByTestId("brain-text").fill(text);
   await dialog.getByTestId("pace-choice").selectOption("lockstep");
@@ -111,6 +117,18 @@ test("the same from a web server, and the program replays its recording to the s
   if (!BAUDBOT) return;
   const said = execFileSync(BAUDBOT, ["replay", file, "--json"], { encoding: "utf8" });
   assert.ok(said.includes(HASH), said);
+});
+
+test("the run in which a search found a failure fails in the page, too", options, async () => {
+  if (!BAUDBOT) return;
+  const out = join(folder, "worst");
+  const search = ["worst", "worst-wander", "--runs", "60", "--out", out, "--json", "--quiet"];
+  const { status, stdout } = spawnSync(BAUDBOT, search, { encoding: "utf8" });
+  assert.equal(status, 1, stdout);
+  const page = await open(SINGLE);
+  const result = await run(page, ":avoid", undefined, readFileSync(join(out, "worst.toml"), "utf8"));
+  assert.equal(hashOf(result), JSON.parse(stdout).case.state_hash, result);
+  await page.close();
 });
 
 test("a brain in JavaScript drives as the same one in a program", options, async () => {
