@@ -29,7 +29,7 @@ mod _native {
     #[pymodule_export]
     use super::recording::{compare, replay};
     #[pymodule_export]
-    use super::runs::{cost, merge, pack, sweep, tune, worst};
+    use super::runs::{cost, merge, merge_worst, pack, sweep, tune, worst};
     #[pymodule_export]
     use super::task::{Task, check_reward};
 }

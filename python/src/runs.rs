@@ -58,11 +58,9 @@ pub(crate) fn sweep(
     progress: Option<Py<PyAny>>,
     shard: Option<&str>,
 ) -> PyResult<Done> {
-    let wrong = |error: ShardError| invalid(py, &format!("shard: {error}"), Some("shard".to_owned()));
-    let shard = shard.map(Shard::from_str).transpose().map_err(wrong)?;
     work(
         py,
-        Asked { experiment, out, seeds, jobs, fresh, shard },
+        Asked { experiment, out, seeds, jobs, fresh, shard: shard_of(py, shard)? },
         progress.as_ref(),
         |experiment, options| {
             let swept = baudbot_experiment::sweep(experiment, options)?;
@@ -70,6 +68,11 @@ pub(crate) fn sweep(
             Ok((json, swept.files, swept.interrupted))
         },
     )
+}
+
+fn shard_of(py: Python<'_>, shard: Option<&str>) -> PyResult<Option<Shard>> {
+    let wrong = |error: ShardError| invalid(py, &format!("shard: {error}"), Some("shard".to_owned()));
+    shard.map(Shard::from_str).transpose().map_err(wrong)
 }
 
 /// Makes the tables of an experiment of the journals of its shards.
@@ -115,9 +118,10 @@ pub(crate) fn tune(
     })
 }
 
-/// Looks for the worst runs of an experiment; see [`sweep`]. At most so many `runs`, none of which begins after so many seconds.
+/// Looks for the worst runs of an experiment, or does a shard of that; see [`sweep`]. At most so many `runs`, none of which begins after so
+/// many seconds.
 #[pyfunction]
-#[pyo3(signature = (experiment, out, seeds, jobs, fresh, progress, runs, within_s, first))]
+#[pyo3(signature = (experiment, out, seeds, jobs, fresh, progress, runs, within_s, first, shard))]
 #[expect(
     clippy::too_many_arguments,
     reason = "the interpreter is one of them, and a Python module passes the others"
@@ -133,13 +137,34 @@ pub(crate) fn worst(
     runs: Option<u64>,
     within_s: Option<f64>,
     first: bool,
+    shard: Option<&str>,
 ) -> PyResult<Done> {
     let within = within_s.map(Duration::try_from_secs_f64).transpose();
     let within =
         within.map_err(|error| invalid(py, &format!("within_s: {error}"), Some("within_s".to_owned())))?;
-    let asked = Asked { experiment, out, seeds, jobs, fresh, shard: None };
+    let asked = Asked { experiment, out, seeds, jobs, fresh, shard: shard_of(py, shard)? };
     work(py, asked, progress.as_ref(), move |experiment, options| {
         let worst = baudbot_experiment::worst(experiment, options, Limit { runs, within, first })?;
+        Ok((worst.json(experiment).to_string(), worst.files.clone(), worst.interrupted))
+    })
+}
+
+/// Makes the results of a search of the journals of its shards, which did so many `runs` together.
+#[pyfunction]
+#[pyo3(signature = (experiment, sources, out, seeds, fresh, runs))]
+pub(crate) fn merge_worst(
+    py: Python<'_>,
+    experiment: Given,
+    sources: Vec<PathBuf>,
+    out: PathBuf,
+    seeds: Option<String>,
+    fresh: bool,
+    runs: u64,
+) -> PyResult<Done> {
+    let asked = Asked { experiment, out, seeds, jobs: 1, fresh, shard: None };
+    work(py, asked, None, move |experiment, options| {
+        let limit = Limit { runs: Some(runs), within: None, first: false };
+        let worst = baudbot_experiment::merge_worst(experiment, &sources, options, limit)?;
         Ok((worst.json(experiment).to_string(), worst.files.clone(), worst.interrupted))
     })
 }
@@ -160,12 +185,22 @@ pub(crate) fn cost(
     apart(py, run)?.map_err(|(text, path)| invalid(py, &text, path))
 }
 
-/// An experiment for other machines, and how many runs it has.
+/// An experiment for other machines, and how many runs it has. A search has as many as are wanted, in shards if its method has them.
 #[pyfunction]
-pub(crate) fn pack(py: Python<'_>, file: PathBuf, seeds: Option<&str>) -> PyResult<(Parts, u64)> {
+#[pyo3(signature = (file, seeds, search_runs))]
+pub(crate) fn pack(
+    py: Python<'_>,
+    file: PathBuf,
+    seeds: Option<&str>,
+    search_runs: Option<u64>,
+) -> PyResult<(Parts, u64)> {
     let pack = || -> Result<_, Problem> {
         let (packed, experiment) = Packed::of_file(&file).map_err(of_reading)?;
-        let runs = with_seeds(experiment, seeds)?.runs();
+        let experiment = with_seeds(experiment, seeds)?;
+        let runs = search_runs.map_or_else(
+            || experiment.runs(),
+            |runs| baudbot_experiment::worst::check_shards(&experiment).map(|()| runs),
+        );
         Ok((packed, runs.map_err(|error| (format!("{}: {error}", file.display()), error.path()))?))
     };
     let (packed, runs) = apart(py, pack)?.map_err(|(text, path)| invalid(py, &text, path))?;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import json
 import shutil
 import signal
 import subprocess
@@ -162,12 +163,27 @@ class Packed(unittest.TestCase):
             file.write_text(varied.replace("seeds = 6", "seeds = 1"))
             frame = baudbot.sweep(file, out=folder / "here")
             self.assertEqual((frame["distance_m"] > 0.1).to_list(), [True, False])
-            packed, runs = _native.pack(file, None)
+            packed, runs = _native.pack(file, None, None)
             self.assertEqual(runs, 2)
             for program in folder.glob("*.hex"):
                 program.unlink()
             _native.sweep(packed, folder / "there", None, 1, False, None, None)
             self.assertEqual((folder / "here/rows.csv").read_bytes(), (folder / "there/rows.csv").read_bytes())
+
+    def test_a_search_in_shards_is_that_of_one_machine(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            file = folder / "near.toml"
+            file.write_text(EXPERIMENT + '[require]\nalways = "clearance_m > 0.1"\n[worst]\nmethod = "random"\n')
+            packed, runs = _native.pack(file, None, 12)
+            for shard in range(2):
+                _native.worst(packed, folder / f"shards/{shard}", None, 1, False, None, runs, None, False, f"{shard}/2")
+            merged = _native.merge_worst(packed, [folder / "shards"], folder / "merged", None, False, runs)
+            self.assertEqual(json.loads(merged[0]), baudbot.worst(file, out=folder / "here", runs=12))
+            self.assertEqual((folder / "merged/summary.txt").read_bytes(), (folder / "here/summary.txt").read_bytes())
+            file.write_text(file.read_text().replace('"random"', '"cma-es"'))
+            with self.assertRaisesRegex(baudbot.Invalid, "only the method `random` has shards|needs"):
+                _native.pack(file, None, 12)
 
     def test_brains_that_others_do_not_have_are_refused(self) -> None:
         with tempfile.TemporaryDirectory() as name:
@@ -175,7 +191,7 @@ class Packed(unittest.TestCase):
             for brain, words in (('{ exec = "python3 own.py" }', "brain.exec: `python3 own.py` is a program"), (f'"{__file__}"', "brain: .* is a file")):
                 file.write_text(EXPERIMENT.replace('"avoid"', brain))
                 with self.assertRaisesRegex(baudbot.Invalid, f"{words}.*, which other machines do not have; copy it there"):
-                    _native.pack(file, None)
+                    _native.pack(file, None, None)
 
 
 class Tunings(unittest.TestCase):

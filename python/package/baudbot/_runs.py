@@ -130,7 +130,7 @@ def worst(
     if within_s is not None:
         within_s = _given.number(within_s, "within_s")
     extent = runs, within_s, _given.flag(first, "first")
-    told: dict[str, Any] = json.loads(done(_native.worst(experiment, folder, *options, *extent), folder))
+    told: dict[str, Any] = json.loads(done(_native.worst(experiment, folder, *options, *extent, None), folder))
     return told
 
 

@@ -1,4 +1,4 @@
-"""Sweeps on a cluster, by Ray. A node may die: its runs are done again elsewhere, and come out the same, as every run does.
+"""Sweeps and searches on a cluster, by Ray. A node may die: its runs are done again elsewhere, and come out the same, as every run does.
 
 ::
 
@@ -9,15 +9,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import ray
 
 from . import _given, _native
-from ._runs import Progress, Runs, done, folder_of, given_progress, seeds_text, warn_of_failures
+from ._runs import MOST_RUNS, Progress, Runs, done, folder_of, given_progress, seeds_text, warn_of_failures
 
 if TYPE_CHECKING:
     import pandas
@@ -42,39 +43,80 @@ def sweep(
     The package `baudbot` must be installed on all nodes in the same version. `ray.init()` is called if nobody has.
     """
     experiment, folder = folder_of(experiment, out, "sweep")
-    seeds, retries = seeds_text(seeds), _given.whole(retries, "retries", -1, MOST_SHARDS)
-    fresh, progress = _given.flag(fresh, "fresh"), given_progress(progress)
-    if shards is not None:
-        shards = _given.whole(shards, "shards", 1, MOST_SHARDS, "number of shards")
-    packed, runs = _native.pack(experiment, seeds)
-    if not ray.is_initialized():
-        ray.init()
-    count = shards if shards is not None else 4 * max(1, int(ray.cluster_resources().get("CPU", 1)))
-    count = min(count, max(runs, 1))
-    place = folder.with_name(f"{folder.name}.shards-{count}")
-    missing = [index for index in range(count) if fresh or not _journal(place, index, count).exists()]
-    shard = ray.remote(num_cpus=1, max_retries=retries)(_shard)
-    waiting = {shard.remote(packed, seeds, f"{index}/{count}"): index for index in missing}
-    while waiting:
-        ready, _ = ray.wait(list(waiting), num_returns=1)
-        for task in ready:
-            _keep(_journal(place, waiting.pop(task), count), ray.get(task))
-            if progress is not None:
-                progress(count - len(waiting), count)
-    told = _native.merge(experiment, [place], folder, seeds, fresh)
+    cluster = _Cluster(folder, seeds_text(seeds), shards, retries, fresh, progress)
+    packed, runs = _native.pack(experiment, cluster.seeds, None)
+    place = cluster.run(packed, runs, None)
+    told = _native.merge(experiment, [place], folder, cluster.seeds, cluster.fresh)
     result = Runs(folder, done(told, folder))
     warn_of_failures(result.summary)
     return result.frame()
+
+
+def worst(
+    experiment: str | os.PathLike[str],
+    *,
+    runs: int,
+    out: str | os.PathLike[str] | None = None,
+    seeds: str | int | None = None,
+    shards: int | None = None,
+    retries: int = 10,
+    fresh: bool = False,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Looks for the runs that come nearest to a failure, on all processors of the cluster: `baudbot.worst`, by the method `random`, in
+    shards as `sweep` has them. The files in `out` are those of one machine, to the byte."""
+    experiment, folder = folder_of(experiment, out, "worst")
+    cluster = _Cluster(folder, seeds_text(seeds), shards, retries, fresh, progress)
+    runs = _given.whole(runs, "runs", 1, MOST_RUNS, "number of runs")
+    packed, runs = _native.pack(experiment, cluster.seeds, runs)
+    place = cluster.run(packed, runs, runs)
+    told: dict[str, Any] = json.loads(done(_native.merge_worst(experiment, [place], folder, cluster.seeds, cluster.fresh, runs), folder))
+    return told
+
+
+class _Cluster:
+    """How an experiment is done in shards."""
+
+    def __init__(
+        self, folder: Path, seeds: str | None, shards: int | None, retries: int, fresh: bool, progress: Progress | None
+    ) -> None:
+        self.folder, self.seeds = folder, seeds
+        self.retries = _given.whole(retries, "retries", -1, MOST_SHARDS)
+        self.fresh, self.progress = _given.flag(fresh, "fresh"), given_progress(progress)
+        self.shards = None if shards is None else _given.whole(shards, "shards", 1, MOST_SHARDS, "number of shards")
+
+    def run(self, packed: _native.Packed, runs: int, search_runs: int | None) -> Path:
+        """Does all shards that are missing; returns the folder of their journals."""
+        if not ray.is_initialized():
+            ray.init()
+        count = self.shards if self.shards is not None else 4 * max(1, int(ray.cluster_resources().get("CPU", 1)))
+        count = min(count, max(runs, 1))
+        # A search for more runs has others in each shard.
+        extent = "" if search_runs is None else f"-of-{search_runs}"
+        place = self.folder.with_name(f"{self.folder.name}.shards-{count}{extent}")
+        missing = [index for index in range(count) if self.fresh or not _journal(place, index, count).exists()]
+        shard = ray.remote(num_cpus=1, max_retries=self.retries)(_shard)
+        waiting = {shard.remote(packed, self.seeds, f"{index}/{count}", search_runs): index for index in missing}
+        while waiting:
+            ready, _ = ray.wait(list(waiting), num_returns=1)
+            for task in ready:
+                _keep(_journal(place, waiting.pop(task), count), ray.get(task))
+                if self.progress is not None:
+                    self.progress(count - len(waiting), count)
+        return place
 
 
 #: As many as the command has.
 MOST_SHARDS = 1_000_000
 
 
-def _shard(packed: _native.Packed, seeds: str | None, shard: str) -> bytes:
+def _shard(packed: _native.Packed, seeds: str | None, shard: str, search_runs: int | None) -> bytes:
     """The journal of a shard, done on whatever node this is."""
     with tempfile.TemporaryDirectory() as folder:
-        _native.sweep(packed, folder, seeds, 1, False, None, shard)
+        if search_runs is None:
+            _native.sweep(packed, folder, seeds, 1, False, None, shard)
+        else:
+            _native.worst(packed, folder, seeds, 1, False, None, search_runs, None, False, shard)
         return (Path(folder) / "rows.jsonl").read_bytes()
 
 

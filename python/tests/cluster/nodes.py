@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sweep on Ray with a head and two nodes on this machine, one of which is killed: the tables of one machine, byte for byte.
+"""A sweep and a search on Ray with a head and two nodes on this machine, one of which is killed: the tables of one machine, byte for byte.
 
 It needs the packages of python/requirements.txt and Ray (`pip install ray`); `./test cluster` runs it.
 """
@@ -61,9 +61,36 @@ def main() -> None:
             sys.exit(f"killed: {killed.is_set()}; {len(frame)} rows; files that differ: {differs}")
         again = baudbot.ray.sweep(experiment, out=Path(folder) / "cluster", shards=16)
         assert again.equals(frame)
+        search(Path(folder))
+        said(started, "a search is that of one machine, too")
     ray.shutdown()
     cluster.shutdown()
     said(started, "the tables are those of one machine, byte for byte")
+
+
+SEARCH = """
+name = "near"
+scenario = "wander"
+brain = "avoid"
+seconds = 20.0
+
+[require]
+always = "clearance_m > 0.05"
+
+[worst]
+method = "random"
+"""
+
+
+def search(folder: Path) -> None:
+    """The worst of 48 runs, in eight shards and at once."""
+    experiment = folder / "near.toml"
+    experiment.write_text(SEARCH)
+    cluster = baudbot.ray.worst(experiment, runs=48, out=folder / "cluster.worst", shards=8)
+    here = baudbot.worst(experiment, runs=48, out=folder / "here.worst")
+    assert cluster == here, (cluster, here)
+    for name in ("summary.txt", "worst.toml"):
+        assert filecmp.cmp(folder / "cluster.worst" / name, folder / "here.worst" / name, shallow=False), name
 
 
 def said(started: float, text: str) -> None:

@@ -100,7 +100,9 @@ pub struct Trial {
 pub fn worst(experiment: &Experiment, options: &Options<'_>, limit: Limit) -> Result<Worst, Error> {
     let plan = Plan::new(experiment)?;
     check(&plan.experiment)?;
-    refuse_shards(plan.strategy, options.shard)?;
+    if options.shard.is_some() {
+        refuse_shards(plan.strategy)?;
+    }
     let folder = Folder::take(options.out)?;
     let header = plan.header().of_shard(options.shard);
     let mut journal = sweep::begin_journal(&folder, &header, options)?;
@@ -227,10 +229,20 @@ pub fn merge_worst(
     }
 }
 
-fn refuse_shards(strategy: Strategy, shard: Option<Shard>) -> Result<(), Error> {
-    match (strategy, shard) {
-        (Strategy::Random, _) | (_, None) => Ok(()),
-        (Strategy::CmaEs | Strategy::Splitting, Some(_)) => Err(Error::Refused(
+/// Refuses a search that cannot be done in shards, or at all.
+///
+/// # Errors
+/// If the experiment is invalid, or its method has no shards.
+pub fn check_shards(experiment: &Experiment) -> Result<(), Error> {
+    let plan = Plan::new(experiment)?;
+    check(&plan.experiment)?;
+    refuse_shards(plan.strategy)
+}
+
+fn refuse_shards(strategy: Strategy) -> Result<(), Error> {
+    match strategy {
+        Strategy::Random => Ok(()),
+        Strategy::CmaEs | Strategy::Splitting => Err(Error::Refused(
             "--shard: only the method `random` has shards, as others depend on the results of the runs before; write \
              [worst] method = \"random\""
                 .to_owned(),
