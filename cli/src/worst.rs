@@ -35,7 +35,7 @@ pub(crate) async fn worst(args: WorstArgs) -> anyhow::Result<ExitCode> {
             for file in [found.out.join(CASE), recording, diagram] {
                 tell!("wrote {}", file.display());
             }
-            tell!("{}", case.command(&found.out.join(CASE).display().to_string()));
+            tell!("{}", case.command(&found.out.join(CASE)));
         }
     }
     Ok(code)
@@ -77,7 +77,9 @@ fn search(
         return Ok(ExitCode::SUCCESS);
     }
     show(experiment, args, &worst)?;
-    let code = if worst.has_fallen() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    // As in a sweep, runs that could not be done are no success.
+    let is_good = !worst.has_fallen() && worst.failed == 0;
+    let code = if is_good { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
     *found = Remainder { case: worst.case, out };
     Ok(code)
@@ -92,7 +94,7 @@ fn show(experiment: &Experiment, args: &WorstArgs, worst: &Worst) -> anyhow::Res
         return Ok(());
     }
     text::print(&worst.text(experiment))?;
-    if let (Some(within), None) = (args.within, args.runs) {
+    if let (Some(within), None, false) = (args.within, args.runs, args.first) {
         let (runs, within_s) = (worst.runs, within.as_secs_f64());
         tell!("{runs} runs were done within {within_s} s; --runs {runs} does the same ones");
     }
@@ -107,6 +109,7 @@ struct Pictures {
 
 /// Records the case, and draws its timing at the instant that decides, as the commands for that do.
 async fn picture(case: &Case, out: &Path) -> anyhow::Result<Pictures> {
+    let before = std::env::current_dir()?;
     let pictures = Pictures { recording: out.join("worst.mcap"), diagram: out.join("worst.svg") };
     for file in [&pictures.recording, &pictures.diagram] {
         match std::fs::remove_file(file) {
@@ -114,19 +117,26 @@ async fn picture(case: &Case, out: &Path) -> anyhow::Result<Pictures> {
             _ => {}
         }
     }
-    let scenario = out.join(CASE).display().to_string();
-    let recording = pictures.recording.display().to_string();
-    if let Command::Run(args) = command(case, &["run", &scenario, "--quiet", "--record", &recording])? {
+    // Programs are found from the experiment's folder.
+    let [scenario, recording, diagram] = [&out.join(CASE), &pictures.recording, &pictures.diagram]
+        .map(|path| before.join(path).display().to_string());
+    std::env::set_current_dir(case.folder.as_ref().unwrap_or(&before))?;
+    let drawn = draw(case, &scenario, &recording, &diagram).await;
+    std::env::set_current_dir(before)?;
+    drawn.map(|()| pictures)
+}
+
+async fn draw(case: &Case, scenario: &str, recording: &str, picture: &str) -> anyhow::Result<()> {
+    if let Command::Run(args) = command(case, &["run", scenario, "--quiet", "--record", recording])? {
         run::run(&args).await?;
     }
     let (at_s, span_ms) = ((case.fall.at_s() - BEFORE_S).max(0.0).to_string(), SPAN_MS.to_string());
-    let (diagram, picture) =
-        (["diagram", &scenario, "--robot", &case.robot], pictures.diagram.display().to_string());
-    let window = ["--at", &at_s, "--span", &span_ms, "--svg", &picture];
+    let diagram = ["diagram", scenario, "--robot", &case.robot];
+    let window = ["--at", &at_s, "--span", &span_ms, "--svg", picture];
     if let Command::Diagram(args) = command(case, &[&diagram[..], &window].concat())? {
         diagram::diagram(args).await?;
     }
-    Ok(pictures)
+    Ok(())
 }
 
 /// A command with the brains of a case.

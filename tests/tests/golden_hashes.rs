@@ -56,7 +56,7 @@ fn a_program_on_a_robots_chip_has_its_golden_hash_after_1000_ticks() {
     assert_eq!(found, GOLDEN_CHIP, "{found:#018x}");
 }
 
-/// What `baudbot worst worst-wander --runs 60` changes in `wander`, and the hash of the run's end, which is in the head of its `worst.toml`.
+/// What a search with `baudbot worst worst-wander` changed in `wander`, and the hash of the end of that run.
 const WORST: (&[&str], u64) = (
     &[
         "end.after_s=10.3",

@@ -65,7 +65,7 @@ pub(crate) struct WorstArgs {
 pub(crate) struct WorkArgs {
     /// An experiment file (docs/reference/experiments.md)
     pub(crate) experiment: PathBuf,
-    /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run; NAME.shards/I-of-N for a shard]
+    /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run; NAME.worst for a search; NAME.shards/I-of-N for a shard]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Delete the results of an earlier experiment in that folder, and start over

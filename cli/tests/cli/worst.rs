@@ -58,7 +58,7 @@ fn the_worst_run_is_a_scenario_that_fails_by_the_command_in_its_head() {
     let (code, report, _) = baudbot(&words);
     assert_eq!(code, 1, "{report}");
     assert!(
-        report.contains("always clearance_m > 0.1: FAILS for robot by 0.0") && report.contains(state),
+        report.contains("always clearance_m > 0.1: FAILS for robot by 0.") && report.contains(state),
         "{report}"
     );
     let (code, summary, _) = baudbot(&[&words[..], &["--json"]].concat());
@@ -139,6 +139,53 @@ fn programs_are_searched_like_brains_of_the_catalogue() {
     });
     assert_eq!(found[0].len(), 6);
     assert_eq!(found[0], found[1]);
+}
+
+/// An experiment whose brain is a script beside it, which ends in a program of the catalogue.
+fn with_script(name: &str, toml: &str, script: &str) -> (String, String) {
+    let (file, out) = experiment(name, &toml.replace("brain = \"avoid\"", "brain = { exec = \"sh go.sh\" }"));
+    let script = format!("{script}\nexec '{}' brain avoid\n", env!("CARGO_BIN_EXE_baudbot"));
+    std::fs::write(Path::new(&file).with_file_name("go.sh"), script).unwrap();
+    (file, out)
+}
+
+/// The experiment's folder is not the one in which the search runs.
+#[test]
+fn the_case_of_a_program_is_done_again_from_any_folder() {
+    let (file, out) = with_script("elsewhere", NEAR, "");
+    let (code, told, err) = baudbot(&["worst", &file, "--out", &out, "--runs", "30", "--first"]);
+    assert_eq!(code, 1, "{told}{err}");
+    assert!(
+        Path::new(&out).join("worst.svg").exists() && Path::new(&out).join("worst.mcap").exists(),
+        "{err}"
+    );
+    let case = std::fs::read_to_string(Path::new(&out).join("worst.toml")).unwrap();
+    let (state, command) = case.lines().nth(1).unwrap().split_once(": ").unwrap();
+    let state = state.strip_prefix("# state ").unwrap();
+    let command = command.replace("baudbot run", &format!("'{}' run", env!("CARGO_BIN_EXE_baudbot")));
+    let ran = std::process::Command::new("sh").args(["-c", &command]).current_dir("/").output().unwrap();
+    let said = String::from_utf8_lossy(&ran.stdout);
+    assert!(ran.status.code() == Some(1) && said.contains(state), "{command}\n{said}");
+}
+
+#[test]
+fn a_program_that_ends_too_soon_is_no_success() {
+    let script =
+        "n=$(cat count 2>/dev/null || echo 0); echo $((n + 1)) > count; [ $((n % 3)) = 2 ] && exit 3";
+    let (file, out) = with_script("crash", &NEAR.replace("> 0.1\"", "> -1\""), script);
+    let search = ["worst", &file, "--out", &out, "--jobs", "1"];
+    let (code, told, err) = baudbot(&[&search[..], &["--runs", "9"]].concat());
+    assert_eq!(code, 1, "{told}{err}");
+    assert!(told.contains(" runs could not be done; the first: run "), "{told}");
+    assert!(
+        told.contains("it is done again by baudbot run wander --brain 'exec:sh go.sh' --set '"),
+        "{told}"
+    );
+    assert!(told.contains("--set 'seed="), "{told}");
+    let (code, told, _) =
+        baudbot(&[&search[..], &["--runs", "500", "--first", "--fresh", "--json"]].concat());
+    let told = json(&told);
+    assert!(code == 1 && told["failed"].as_u64() > Some(0) && told["runs"].as_u64() < Some(500), "{told}");
 }
 
 #[test]

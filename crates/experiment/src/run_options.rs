@@ -7,6 +7,7 @@ use baudbot_run::assignment;
 
 use crate::experiment::Experiment;
 use crate::factor::{Level, Setting};
+use crate::run_record::Task;
 
 /// The options that do a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,6 +48,14 @@ impl RunOptions {
             }
         }
         options
+    }
+
+    /// The command that does a run of an experiment, in the experiment's folder.
+    pub(crate) fn command(experiment: &Experiment, task: &Task) -> String {
+        let mut options = Self::new(experiment, &task.cell.levels);
+        options.sets.extend(experiment.seconds.map(|seconds| format!("end.after_s={seconds:?}")));
+        options.sets.push(format!("seed={}", task.seed));
+        format!("baudbot run {} {}", experiment.scenario, options.options())
     }
 
     /// The options as words of a shell.

@@ -136,7 +136,7 @@ def worst(
 
 def cost(experiment: str | os.PathLike[str], values: Mapping[str, float], *, seed: int = 1) -> dict[str, Any]:
     """Does one run of an experiment, with these values of its fields by their labels, for an optimizer of your own: its `robustness`, which
-    is below 0 if it fails (`holds`), the instant that decides (`at_s`), and its `state_hash`."""
+    is below 0, or 0, if it fails (`holds`), the instant that decides (`at_s`), and its `state_hash`."""
     file = _given.path(experiment, "experiment")
     numbers = {label: _given.number(value, "values") for label, value in _given.mapping(values, "values").items()}
     told: dict[str, Any] = json.loads(_native.cost(file, numbers, _given.whole(seed, "seed", 0, MOST_SEED)))

@@ -5,7 +5,8 @@ use crate::error::Error;
 
 /// Whether there are optimizers in this program.
 pub(crate) fn check() -> Result<(), Error> {
-    let problem = "this program was built without optimizers; cargo build --release --features tune builds one with them";
+    let problem = "this program was built without optimizers; cargo build --release --features tune builds one with them, and the \
+                   random search of `baudbot worst` needs none: [worst] method = \"random\"";
     Err(Error::Refused(problem.to_owned()))
 }
 

@@ -1,5 +1,6 @@
 //! A case: a scenario with its brains in which a requirement falls, or is kept least.
 
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
 use super::Worst;
@@ -26,6 +27,8 @@ pub struct Case {
     pub toml: String,
     /// The brains, as for `--brain`.
     pub brains: Vec<String>,
+    /// The folder in which they run, if they are programs: the experiment's.
+    pub folder: Option<PathBuf>,
     /// The parameters of programs, as for `--parameter`.
     pub parameters: Vec<String>,
     /// What differs from the experiment's scenario, as for `--set`.
@@ -71,11 +74,19 @@ impl Case {
         }
     }
 
-    /// The command that does the run again, for a scenario in this file.
-    pub fn command(&self, file: &str) -> String {
+    /// The command that does the run again, for a scenario in this file; from any folder, if its brains are programs.
+    pub fn command(&self, file: &Path) -> String {
         let words = self.options();
         let words = words.iter().map(|word| if word.starts_with("--") { word.clone() } else { quoted(word) });
-        format!("baudbot run {file} {}", words.collect::<Vec<_>>().join(" "))
+        let words = words.collect::<Vec<_>>().join(" ");
+        match &self.folder {
+            Some(folder) => {
+                let [folder, file] =
+                    [folder, &absolute(file)].map(|path| quoted(&path.display().to_string()));
+                format!("cd {folder} && baudbot run {file} {words}")
+            }
+            None => format!("baudbot run {} {words}", file.display()),
+        }
     }
 }
 
@@ -116,6 +127,11 @@ pub(super) fn worst_case(
     }
     let case = court.case(tried.task.run, &draft, &ran)?;
     Ok(Some(Case { trials, is_plainest, ..case }))
+}
+
+/// The path from the root, as far as the current folder is known.
+fn absolute(path: &Path) -> PathBuf {
+    std::env::current_dir().unwrap_or_default().join(path)
 }
 
 /// The place where drafts are tried.
@@ -184,6 +200,7 @@ impl Court<'_> {
         Ok(Case {
             run,
             brains: self.brains.clone(),
+            folder: self.experiment.has_programs().then(|| absolute(&self.experiment.folder)),
             parameters: self.parameters.clone(),
             changes: draft.changes(),
             requirement: demand.to_string(),

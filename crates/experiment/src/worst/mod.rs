@@ -35,6 +35,7 @@ use crate::outputs::Folder;
 use crate::raw::Strategy;
 use crate::requirement::{Demands, Fall, Judge};
 use crate::resumed;
+use crate::run_options::RunOptions;
 use crate::run_record::{Row, Task};
 use crate::setup::Setup;
 use crate::shard::Shard;
@@ -71,6 +72,8 @@ pub struct Worst {
     pub failed: u64,
     /// The first of their errors.
     pub error: Option<String>,
+    /// The command that does that run again, but for what is required.
+    pub command: Option<String>,
     /// The worst runs, the worst first.
     pub worst: Vec<Trial>,
     /// The plainest scenario that was found in which the robot fails.
@@ -278,8 +281,9 @@ impl Hunter<'_> {
                     worst.interrupted = self.options.stop.load(Ordering::Relaxed);
                     return Ok(worst);
                 };
-                costs.push(worst.note(task, row));
-                if self.limit.first && worst.fallen > 0 {
+                costs.push(worst.note(&plan.experiment, task, row));
+                let has_crashed = plan.experiment.has_programs() && worst.failed > 0;
+                if self.limit.first && (worst.fallen > 0 || has_crashed) {
                     return Ok(worst);
                 }
             }
@@ -295,8 +299,12 @@ impl Hunter<'_> {
     /// Does a batch, as far as the limit lets it.
     fn run(&mut self, tasks: Vec<Task>, begun: Instant) -> Result<(), Error> {
         let (limit, has_fallen) = (self.limit, AtomicBool::new(false));
+        let has_programs = self.plan.experiment.has_programs();
         let look = |row: &Row| {
-            let falls = row.outcome.as_ref().is_ok_and(|ran| ran.fall.is_some_and(|fall| !fall.holds));
+            let falls = match &row.outcome {
+                Ok(ran) => ran.fall.is_some_and(|fall| !fall.holds),
+                Err(_) => has_programs,
+            };
             has_fallen.fetch_or(falls, Ordering::Relaxed);
         };
         let goes_on = || !(limit.is_over(begun) || limit.first && has_fallen.load(Ordering::Relaxed));
@@ -325,6 +333,7 @@ impl Worst {
             fallen: 0,
             failed: 0,
             error: None,
+            command: None,
             worst: Vec::new(),
             case: None,
             likelihood: None,
@@ -332,15 +341,19 @@ impl Worst {
         }
     }
 
-    /// Counts a run. Its cost is its robustness; a run that could not be done is no failure of the brain.
-    fn note(&mut self, task: Task, row: &Row) -> f64 {
+    /// Counts a run. Its cost is its robustness. A run that could not be done is worse than any other if a program may have crashed, and else
+    /// better, as then its values are not possible.
+    fn note(&mut self, experiment: &Experiment, task: Task, row: &Row) -> f64 {
         self.runs += 1;
         let ran = match &row.outcome {
             Ok(ran) => ran,
             Err(error) => {
                 self.failed += 1;
-                self.error.get_or_insert_with(|| format!("run {}: {error}", row.run));
-                return NO_COST;
+                if self.error.is_none() {
+                    self.error = Some(format!("run {}: {error}", row.run));
+                    self.command = Some(RunOptions::command(experiment, &task));
+                }
+                return if experiment.has_programs() { -NO_COST } else { NO_COST };
             }
         };
         let Some(fall) = ran.fall else { return NO_COST };

@@ -1,6 +1,7 @@
 //! The report of a search, and its files.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use baudbot_fields::printable::{Printable, PrintableLines};
 use baudbot_plot::text::columns;
@@ -52,6 +53,9 @@ impl Worst {
                 self.failed,
                 error.replace('\n', " ")
             );
+            if let Some(command) = &self.command {
+                let _ = writeln!(text, "it is done again by {command}");
+            }
         }
         if let Some(case) = &self.case {
             let _ = writeln!(text, "{}", case.account);
@@ -129,7 +133,7 @@ impl Worst {
                 "probability": likelihood.probability, "interval": [likelihood.interval.0, likelihood.interval.1],
                 "estimates": likelihood.estimates,
             })),
-            "runs": self.runs, "fallen": self.fallen, "failed": self.failed, "error": self.error,
+            "runs": self.runs, "fallen": self.fallen, "failed": self.failed, "error": self.error, "command": self.command,
             "bounds": self.bounds().map(|(low, high)| [low, high]),
             "worst": self.worst.iter().map(tried).collect::<Vec<_>>(),
             "case": self.case.as_ref().map(|case| json!({
@@ -235,7 +239,8 @@ pub(super) fn write(worst: &mut Worst, experiment: &Experiment, folder: &Folder)
     let mut texts = vec![(SUMMARY, PrintableLines(worst.text(experiment)).to_string())];
     folder.remove(CASE)?;
     if let Some(case) = &worst.case {
-        let head = format!("{}\nstate {:016x}: {}\n", case.account, case.hash, case.command(CASE));
+        let file = if case.folder.is_some() { folder.file(CASE) } else { PathBuf::from(CASE) };
+        let head = format!("{}\nstate {:016x}: {}\n", case.account, case.hash, case.command(&file));
         let head: String = head.lines().map(|line| format!("# {}\n", Printable(line))).collect();
         texts.push((CASE, format!("{head}\n{}", case.toml)));
     }
