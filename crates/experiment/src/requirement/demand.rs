@@ -40,7 +40,7 @@ pub struct Fall {
     pub at_ns: u64,
     /// The robot's forward speed then, in m/s; at a collision the one with which it came.
     pub speed_m_s: f64,
-    /// The place of the sensor whose reading was oldest of those that had come, and its age in milliseconds.
+    /// The place of the sensor whose reading was the oldest that the brain had in the second before, and its age then, in milliseconds.
     pub stalest: Option<(u32, f64)>,
     /// The longest of the robot's control cycles until then that were answered, in nanoseconds.
     pub longest_cycle_ns: Option<u64>,

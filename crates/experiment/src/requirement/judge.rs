@@ -1,5 +1,7 @@
 //! Requirements held against a run, tick by tick.
 
+use std::collections::VecDeque;
+
 use baudbot_require::Monitor;
 use baudbot_run::UnknownName;
 use baudbot_sim::{RobotView, World};
@@ -75,6 +77,20 @@ struct Monitors {
     last_ns: Option<u64>,
     /// The robots' speeds a tick before.
     speeds_m_s: Vec<f64>,
+    /// The robots' oldest readings.
+    gaps: Vec<Gaps>,
+}
+
+/// The readings that may be the oldest that a brain had in the last second: each is older than those behind it.
+#[derive(Clone, Debug, Default)]
+struct Gaps(VecDeque<Gap>);
+
+/// The oldest reading at an instant.
+#[derive(Clone, Copy, Debug)]
+struct Gap {
+    at_ns: u64,
+    sensor: u32,
+    age_ms: f64,
 }
 
 /// A monitor with the circumstances of the instant that decides.
@@ -114,7 +130,8 @@ impl Monitors {
                 return Err(UnknownName::new("robot", name, &names));
             }
         }
-        Ok(Self { each, last_ns: None, speeds_m_s: vec![0.0; world.robots().len()] })
+        let robots = world.robots().len();
+        Ok(Self { each, last_ns: None, speeds_m_s: vec![0.0; robots], gaps: vec![Gaps::default(); robots] })
     }
 
     /// Sees the world at the beginning of a tick, or at the end.
@@ -128,6 +145,9 @@ impl Monitors {
             return Ok(());
         }
         self.last_ns = Some(now_ns);
+        for (gaps, view) in self.gaps.iter_mut().zip(world.robots()) {
+            gaps.see(&view, now_ns);
+        }
         for watched in &mut self.each {
             let robot = watched.robot as usize;
             let mut problem = None;
@@ -145,7 +165,7 @@ impl Monitors {
                 let view = world.robot(robot);
                 let speed_m_s =
                     if view.collided() { self.speeds_m_s[robot] } else { view.motion().speed_m_s };
-                (watched.speed_m_s, watched.stalest) = (speed_m_s, stalest(&view, now_ns));
+                (watched.speed_m_s, watched.stalest) = (speed_m_s, self.gaps[robot].oldest());
                 watched.longest_cycle_ns = view.cycles().durations.max_ns();
             }
         }
@@ -171,14 +191,27 @@ impl Monitors {
     }
 }
 
-/// The sensor whose last reading to come is oldest, and its age in milliseconds.
-fn stalest(view: &RobotView<'_>, now_ns: u64) -> Option<(u32, f64)> {
-    let ages = (0..view.spec().sensors.len()).filter_map(|sensor| {
-        let sampled_at = view.heard(sensor).sampled_at?;
-        Some((sensor as u32, now_ns.saturating_sub(sampled_at.as_ns()) as f64 / 1e6))
-    });
-    ages.reduce(|a, b| if b.1 > a.1 { b } else { a })
+impl Gaps {
+    fn see(&mut self, view: &RobotView<'_>, now_ns: u64) {
+        while self.0.pop_front_if(|gap| now_ns - gap.at_ns > SECOND_NS).is_some() {}
+        let ages = (0..view.spec().sensors.len()).filter_map(|sensor| {
+            let sampled_at = view.heard(sensor).sampled_at?;
+            let age_ms = now_ns.saturating_sub(sampled_at.as_ns()) as f64 / 1e6;
+            Some(Gap { at_ns: now_ns, sensor: sensor as u32, age_ms })
+        });
+        let Some(now) = ages.reduce(|a, b| if b.age_ms > a.age_ms { b } else { a }) else { return };
+        while self.0.pop_back_if(|gap| gap.age_ms <= now.age_ms).is_some() {}
+        self.0.push_back(now);
+    }
+
+    /// The sensor with the oldest reading, and its age in milliseconds.
+    fn oldest(&self) -> Option<(u32, f64)> {
+        self.0.front().map(|gap| (gap.sensor, gap.age_ms))
+    }
 }
+
+/// The time before an instant within which the oldest reading is looked for.
+const SECOND_NS: u64 = 1_000_000_000;
 
 /// Robustness beyond it is as good as infinite, which JSON has no number for.
 const MOST: f64 = 1e300;

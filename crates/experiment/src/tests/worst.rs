@@ -124,6 +124,25 @@ fn the_longest_cycle_that_is_found_is_told_beside_the_bound_of_the_budget() {
     assert!(case.is_plainest && told.contains("(made plain with "), "{told}");
 }
 
+/// The cable is out from 1 s to 1.3 s: what fails half a second later is explained by that, what fails much later is not.
+#[test]
+fn the_oldest_reading_is_that_of_the_second_before() {
+    let age_ms = |fails_at_s: f64| {
+        let toml = format!(
+            "brain = \"constant:left=0\"\nseconds = 4.0\n[require]\nnever = \"time_s > {fails_at_s} and time_s < {}\"\n[worst]\nmethod = \"random\"\n",
+            fails_at_s + 0.1
+        );
+        let mut experiment = experiment(&toml).unwrap();
+        experiment.text = experiment
+            .text
+            .replace("baud = 38400", "baud = 38400, outages = [{ from_s = 1.0, for_s = 0.3 }]");
+        let found = hunt(&experiment, &format!("gap-{fails_at_s}"), 1);
+        found.worst[0].fall.stalest.unwrap().1
+    };
+    assert!((300.0..400.0).contains(&age_ms(1.8)), "{}", age_ms(1.8));
+    assert!(age_ms(2.8) < 100.0, "{}", age_ms(2.8));
+}
+
 /// A line without a key of an inline table, or nothing if it is of that key alone.
 fn cut(line: &str, key: &str) -> String {
     let is_alone =

@@ -112,8 +112,8 @@ pub(super) fn worst_case(
     })?;
     if ran.hash != tried.hash {
         return Err(Error::Refused(format!(
-            "the worst run, {}, ended with the state {:016x}, and done again with {:016x}: the brain is not deterministic, so what was \
-             found says nothing; does it use the wall clock, or random numbers of its own?",
+            "the worst run, {}, ended with the state {:016x}, and done again with {:016x}: the brain is not deterministic, or was changed \
+             since (--fresh searches anew), so what was found says nothing; does it use the wall clock, or random numbers of its own?",
             tried.task.run, tried.hash, ran.hash
         )));
     }

@@ -189,7 +189,7 @@ pub(super) fn account(demand: &Demand, spec: &RobotSpec, ran: &Ran, fall: &Fall)
         let way_cm = fall.speed_m_s.abs() * age_ms / 10.0;
         let _ = write!(
             text,
-            "; the last reading of {} that the brain had was {age_ms:.0} ms old, in which the robot comes {way_cm:.1} cm at {:.2} m/s",
+            "; in the second before, the last reading of {} that the brain had was up to {age_ms:.0} ms old, in which the robot comes {way_cm:.1} cm at {:.2} m/s",
             Printable(name),
             fall.speed_m_s
         );
