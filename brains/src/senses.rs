@@ -129,6 +129,11 @@ impl Senses {
         self.variables.iter().map(|variable| variable.name.as_str())
     }
 
+    /// The state variables as they are.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// Takes in what has come, and returns the state variables.
     pub fn take(&mut self, turn: &Turn) -> &[f64] {
         for (news_ns, reading) in self.news_ns.iter_mut().zip(&turn.readings) {

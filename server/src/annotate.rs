@@ -33,7 +33,15 @@ pub(crate) fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize
 fn check_words(belief: &v1::Belief) -> Result<(), Status> {
     let names = belief.utilities.iter().enumerate();
     let names = names.map(|(i, utility)| (format!("utilities[{i}].name"), &utility.name));
-    let mut words = std::iter::once(("state".to_owned(), &belief.state)).chain(names);
+    let motivation = belief.motivation.iter();
+    let variables = motivation.clone().flat_map(|motivation| motivation.variables.iter().enumerate());
+    let variables =
+        variables.map(|(i, variable)| (format!("motivation.variables[{i}].name"), &variable.name));
+    let tendencies = motivation.flat_map(|motivation| motivation.tendencies.iter().enumerate());
+    let tendencies =
+        tendencies.map(|(i, tendency)| (format!("motivation.tendencies[{i}].name"), &tendency.name));
+    let state = std::iter::once(("state".to_owned(), &belief.state));
+    let mut words = state.chain(names).chain(variables).chain(tendencies);
     let Some((field, text)) = words.find(|(_, text)| !text.chars().all(is_printable)) else { return Ok(()) };
     let text = Printable(text);
     Err(invalid(&field, format!("must be on one line and without control characters, is `{text}`")))
@@ -43,10 +51,18 @@ fn check_words(belief: &v1::Belief) -> Result<(), Status> {
 fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
     let too_many =
         |field: &str, n: usize, most: usize| invalid(field, format!("there are {n}, the limit is {most}"));
-    let lists = [("utilities", belief.utilities.len(), 256), ("path", belief.path.len(), 10_000)];
+    let (variables, tendencies) =
+        belief.motivation.as_ref().map_or((0, 0), |state| (state.variables.len(), state.tendencies.len()));
+    let lists = [
+        ("utilities", belief.utilities.len(), 256),
+        ("path", belief.path.len(), 10_000),
+        ("motivation.variables", variables, 256),
+        ("motivation.tendencies", tendencies, 256),
+    ];
     if let Some((field, n, most)) = lists.into_iter().find(|(_, n, most)| n > most) {
         return Err(too_many(field, n, most));
     }
+    check_weights(belief.motivation.as_ref())?;
     let entries = belief.pose.as_ref().map_or(0, |pose| pose.covariance_m2.len());
     if entries != 0 && entries != 3 {
         return Err(invalid(
@@ -66,10 +82,23 @@ fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
     Ok(())
 }
 
+/// Checks that tendencies have a weight for each variable, or none.
+fn check_weights(motivation: Option<&v1::Motivation>) -> Result<(), Status> {
+    let Some(v1::Motivation { variables, tendencies }) = motivation else { return Ok(()) };
+    let wrong = |tendency: &v1::Tendency| ![0, variables.len()].contains(&tendency.weights.len());
+    let Some(i) = tendencies.iter().position(wrong) else { return Ok(()) };
+    let (n, weights) = (variables.len(), tendencies[i].weights.len());
+    let field = format!("motivation.tendencies[{i}].weights");
+    Err(invalid(&field, format!("must have one for each of the {n} variables or none, has {weights}")))
+}
+
 /// Checks the numbers, since what is not finite cannot be drawn.
 fn check_numbers(belief: &v1::Belief) -> Result<(), Status> {
     for (i, utility) in belief.utilities.iter().enumerate() {
         finite(|| format!("utilities[{i}].value"), utility.value)?;
+    }
+    for number in belief.motivation.iter().flat_map(v1::Motivation::numbers) {
+        finite(|| "motivation".to_owned(), number)?;
     }
     if let Some(pose) = &belief.pose {
         for (field, number) in [("x_m", pose.x_m), ("y_m", pose.y_m), ("heading_rad", pose.heading_rad)] {
@@ -126,6 +155,10 @@ mod tests {
             pose: Some(v1::BelievedPose { covariance_m2: vec![1.0, 0.0, 1.0], ..Default::default() }),
             particles: vec![v1::Particle::default()],
             path: vec![v1::Point::default()],
+            motivation: Some(v1::Motivation {
+                variables: vec![v1::StateVariable { lethal_above: Some(1.0), ..Default::default() }],
+                tendencies: vec![v1::Tendency { weights: vec![1.0], ..Default::default() }],
+            }),
             map: Some(v1::GridMap { cell_m: 0.1, columns: 1, cells: vec![0], ..Default::default() }),
             ..Default::default()
         };
@@ -145,6 +178,10 @@ mod tests {
         belief.map.as_mut().unwrap()
     }
 
+    fn motivation(belief: &mut v1::Belief) -> &mut v1::Motivation {
+        belief.motivation.as_mut().unwrap()
+    }
+
     #[test]
     fn a_belief_that_cannot_be_drawn_is_refused_with_the_field() {
         const ODD: [f64; 2] = [f64::NAN, f64::INFINITY];
@@ -158,6 +195,8 @@ mod tests {
                 refused(|b| b.particles[0].x_m = odd as f32),
                 refused(|b| b.particles[0].weight = odd as f32),
                 refused(|b| b.path[0].y_m = odd),
+                refused(|b| motivation(b).variables[0].lethal_above = Some(odd)),
+                refused(|b| motivation(b).tendencies[0].weights[0] = odd),
                 refused(|b| map(b).x_m = odd),
                 refused(|b| map(b).cell_m = odd),
             ];
@@ -170,6 +209,8 @@ mod tests {
                 "particles[0].x_m",
                 "particles[0].weight",
                 "path[0].y_m",
+                "motivation",
+                "motivation",
                 "map.x_m",
                 "map.cell_m",
             ];
@@ -185,6 +226,14 @@ mod tests {
         assert_eq!(refused(|b| b.state = "a\nb".into()), format!("state: {problem} `a\\nb`"));
         let hostile = refused(|b| b.utilities[0].name = "\u{1b}[2J".into());
         assert_eq!(hostile, format!("utilities[0].name: {problem} `\\u{{1b}}[2J`"));
+        let hostile = refused(|b| motivation(b).variables[0].name = "\n".into());
+        assert_eq!(hostile, format!("motivation.variables[0].name: {problem} `\\n`"));
+        assert_eq!(
+            refused(|b| motivation(b).tendencies[0].weights = vec![1.0, 2.0]),
+            "motivation.tendencies[0].weights: must have one for each of the 1 variables or none, has 2"
+        );
+        let many = |b: &mut v1::Belief| motivation(b).tendencies = vec![v1::Tendency::default(); 257];
+        assert_eq!(refused(many), "motivation.tendencies: there are 257, the limit is 256");
         assert_eq!(refused(|b| map(b).cell_m = 0.0), "map.cell_m: must be positive, is 0");
         assert_eq!(
             refused(|b| map(b).columns = 2),

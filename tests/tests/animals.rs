@@ -128,6 +128,34 @@ fn forty_ants_come_home() {
 
 const WATERHOLE: &str = include_str!("../../catalogue/scenarios/waterhole.toml");
 
+/// Fig. 7.2: a motivational state says why. The path stays within the lethal boundaries, and what drives has the greater tendency, or is not yet behind by the
+/// price of a change.
+#[test]
+fn what_an_animal_publishes_of_its_motivation_explains_what_it_does() {
+    let mut local = InProcess::new(scenario(WATERHOLE, &[]), "waterhole").unwrap();
+    let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
+    for _ in 0..250 * 50 {
+        local.tick(|_| {});
+        let Some(belief) = local.belief(0) else { continue };
+        let state = belief.motivation.unwrap();
+        let internal = state.variables.iter().filter(|variable| variable.internal);
+        for variable in internal {
+            assert_eq!(variable.lethal, [None, Some(1.0)], "{}", variable.name);
+            extremes = [extremes[0].min(variable.value), extremes[1].max(variable.value)];
+        }
+        let tendency = |name: &str| {
+            let tendency = state.tendencies.iter().find(|tendency| tendency.name == name).unwrap();
+            let terms = tendency.weights.iter().zip(&state.variables);
+            (tendency.bias + terms.map(|(weight, variable)| weight * variable.value).sum::<f64>()).tanh()
+        };
+        let active = belief.utilities.iter().find(|utility| utility.active).unwrap();
+        let other = if active.name == "eat" { "drink" } else { "eat" };
+        // Utilities follow tendencies in a tenth of a second.
+        assert!(tendency(other) - tendency(&active.name) < 0.25 + 0.02, "{active:?}");
+    }
+    assert!(extremes[0] < 0.3 && (0.6..1.0).contains(&extremes[1]), "{extremes:?}");
+}
+
 /// How often an animal with two needs changed between them, and what it died of, if it did.
 fn waterhole(brain: &str, seconds: u64) -> (usize, Option<String>) {
     let mut local = InProcess::new(scenario(WATERHOLE, &[]), brain).unwrap();

@@ -3,6 +3,8 @@
 //! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
 //! step, then the one motor behaviour does, or all that drive together. Motor behaviours are left before others are entered.
 
+mod motivation;
+
 use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use crate::decision::utility::{self, Utility};
@@ -341,6 +343,7 @@ impl Brain for Composed {
             pose: self.beliefs.pose.as_ref().map(Estimate::shown),
             path: path.collect(),
             map: self.beliefs.grid.as_ref().map(Occupancy::shown),
+            motivation: self.motivation(),
             ..Belief::default()
         })
     }

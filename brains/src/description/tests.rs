@@ -119,6 +119,45 @@ fn an_own_behaviour_is_named_like_any_other_and_can_set_gammas() {
     assert_eq!(belief.utilities.iter().filter(|utility| utility.active).count(), 1);
 }
 
+/// Fig. 7.2: what is internal, where it kills, and the tendencies with their slopes.
+#[test]
+fn a_brain_with_an_internal_state_publishes_its_motivation_and_others_none() {
+    let with = |toml: &str| {
+        let body = eyes();
+        let description = Description::parse(toml).unwrap();
+        let mut brain = description.brain(1, &body, &Registry::standard()).unwrap();
+        brain.step(&turn(&body, 0, &[Some(&[0.5]), None]));
+        brain.belief().unwrap().motivation
+    };
+    assert_eq!(with(REPERTOIRE), None);
+    let internal = "[internal.fear]\ninitial = 0.5\nlethal_above = 0.9\n";
+    let flee = "[motor.flee]\nkind = \"constant\"\n\
+                utility = { bias = -1.0, slope = 2.0, weights = { fear = 3.0 } }\n";
+    let state = with(&format!("{REPERTOIRE}{internal}{flee}")).unwrap();
+    let fear = state.variables.iter().position(|variable| variable.name == "fear").unwrap();
+    let variable = &state.variables[fear];
+    assert_eq!((variable.value, variable.internal, variable.lethal), (0.5, true, [None, Some(0.9)]));
+    assert!(state.variables.iter().any(|variable| !variable.internal));
+    let flee = state.tendencies.iter().find(|tendency| tendency.name == "flee").unwrap();
+    assert_eq!((flee.bias, flee.weights.len()), (-2.0, state.variables.len()));
+    assert_eq!(flee.weights[fear], 6.0);
+    assert_eq!(flee.weights.iter().filter(|weight| **weight != 0.0).count(), 1);
+}
+
+/// Reservoirs (§4.4.4, the hydraulic model) are internal, too.
+#[test]
+fn a_brain_of_reservoirs_publishes_their_energies() {
+    let body = eyes();
+    let toml = "[motor.rest]\nkind = \"constant\"\n[motor.show]\nkind = \"constant\"\n\
+                [decision]\nmethod = \"hydraulic\"\nbase = \"rest\"\n\
+                reservoirs = [{ behavior = \"show\", fill_hz = 0.1, spring = 0.8, energy = 0.25 }]";
+    let mut brain = Description::parse(toml).unwrap().brain(1, &body, &Registry::standard()).unwrap();
+    brain.step(&turn(&body, 0, &[None, None]));
+    let state = brain.belief().unwrap().motivation.unwrap();
+    let energies: Vec<_> = state.variables.iter().map(|one| (one.name.as_str(), one.value)).collect();
+    assert_eq!((energies, state.tendencies.len()), (vec![("energy of show", 0.25)], 0));
+}
+
 #[test]
 fn any_brain_is_a_behaviour() {
     let toml = "[motor.stroll]\nkind = \"wander\"\nparameters = { forward = 0.25 }";

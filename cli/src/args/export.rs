@@ -38,6 +38,12 @@ pub(crate) struct ExportArgs {
     /// With --utilities-svg, draw this column of --csv above them, such as a sensor's readings; may be given several times
     #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
     pub(crate) with: Vec<String>,
+    /// Draw the path of each brain's motivational state in the plane of two variables, with lethal boundaries and isoclines
+    #[arg(long, value_name = "FILE")]
+    pub(crate) space_svg: Option<PathBuf>,
+    /// With --space-svg, the variables of the two axes [default: the first two, those with a lethal boundary before others]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', requires = "space_svg")]
+    pub(crate) axes: Vec<String>,
     /// Make a film of the page's arena as GIF; needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
@@ -123,6 +129,7 @@ impl ExportArgs {
             ("--svg", &self.svg),
             ("--beliefs-csv", &self.beliefs_csv),
             ("--utilities-svg", &self.utilities_svg),
+            ("--space-svg", &self.space_svg),
             ("--gif", &self.gif),
             ("--webm", &self.webm),
         ];
@@ -133,7 +140,7 @@ impl ExportArgs {
 }
 
 /// The outputs that are not written beside a summary.
-const OUTPUTS: [&str; 12] = [
+const OUTPUTS: [&str; 13] = [
     "csv",
     "parquet",
     "timeline",
@@ -142,6 +149,7 @@ const OUTPUTS: [&str; 12] = [
     "svg",
     "beliefs_csv",
     "utilities_svg",
+    "space_svg",
     "gif",
     "webm",
     "vcd",
@@ -162,6 +170,7 @@ Examples:
   baudbot export run.mcap --rosbag2 bag --hz 50
   baudbot export run.mcap --events - --quiet | grep collision
   baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
+  baudbot export run.mcap --space-svg space.svg --axes hunger,thirst
   baudbot export run.mcap --gif run.gif --speed 4
   baudbot export run.mcap --vcd robot=pins.vcd --from-s 2 --to-s 3
   baudbot export run.mcap --serial robot=-

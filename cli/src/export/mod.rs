@@ -166,6 +166,7 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
     add(args.utilities_svg.as_ref(), 1, &|out| {
         Box::new(beliefs::Picture::new(out, recorded, &beliefs, &with))
     })?;
+    add(args.space_svg.as_ref(), 1, &|out| Box::new(beliefs::Space::new(out, recorded, &beliefs)))?;
     for (output, &robot) in args.vcd.iter().zip(&analysed) {
         add(Some(&output.file), 1, &|out| {
             Box::new(Watched::new(Dump::new(out, (robot, &robots[robot]), window.from), Dump::write))

@@ -71,6 +71,41 @@ fn with_more_frames_brains_say_more() {
     assert!((course[0] - least - 0.057223).abs() < 1e-4, "{}", course[0] - least);
 }
 
+/// Fig. 7.2 of a run: the path of hunger and thirst, their lethal boundaries and the isoclines of both behaviours.
+#[test]
+fn a_run_has_a_picture_in_the_space_of_its_motivation() {
+    let waterhole = concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios/waterhole.toml");
+    let path = place("waterhole.mcap").to_str().unwrap().to_owned();
+    let run = ["run", waterhole, "--brain", "waterhole", "--seconds", "60", "--quiet"];
+    good(&[&run[..], &["--record", &path]].concat());
+    let picture = good(&["export", &path, "--space-svg", "-", "--quiet"]);
+    let document = Document::parse(&picture).unwrap();
+    let count =
+        |class: &str| document.descendants().filter(|node| node.attribute("class") == Some(class)).count();
+    assert_eq!(count("lethal"), 2);
+    assert!(count("isocline") >= 6 && count("path") >= 2, "{} {}", count("isocline"), count("path"));
+    let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();
+    for name in ["hunger", "thirst", "eat", "drink", "isoclines", "lethal"] {
+        assert!(texts.contains(&name), "{name}: {texts:?}");
+    }
+    let table = good(&["export", &path, "--beliefs-csv", "-", "--quiet"]);
+    let header: Vec<_> = table.lines().next().unwrap().split(',').collect();
+    assert_eq!(header[header.len() - 4..], ["food.value", "water.value", "hunger.value", "thirst.value"]);
+    let sensed = good(&["export", &path, "--space-svg", "-", "--axes", "food,hunger", "--quiet"]);
+    assert!(sensed.contains(">food</text>") && !sensed.contains(">thirst</text>"));
+    for (axes, problem) in [
+        ("hunger,sleep", "--axes: no brain of"),
+        ("hunger", "--axes hunger: must be two different variables, as hunger,thirst"),
+        ("hunger,hunger", "--axes hunger,hunger: must be two different"),
+    ] {
+        let (code, _, err) = baudbot(&["export", &path, "--space-svg", "-", "--axes", axes, "--quiet"]);
+        assert!(code == 2 && err.contains(problem), "{axes}: {code} {err}");
+    }
+    let sweeper = record("sweeper", "20", "space-of-nothing.mcap");
+    let (code, _, err) = baudbot(&["export", &sweeper, "--space-svg", "-", "--quiet"]);
+    assert!(code == 2 && err.contains("publish no two variables"), "{code} {err}");
+}
+
 #[test]
 fn where_there_is_nothing_to_export_it_says_what_to_do() {
     let refusal = |args: &[&str]| {

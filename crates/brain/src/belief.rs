@@ -19,6 +19,8 @@ pub struct Belief {
     pub path: Vec<Point>,
     /// The brain's map of the arena.
     pub map: Option<GridMap>,
+    /// The motivational state by which it chooses.
+    pub motivation: Option<Motivation>,
 }
 
 /// The utility of a behaviour.
@@ -30,6 +32,39 @@ pub struct Utility {
     pub value: f64,
     /// Whether it runs.
     pub active: bool,
+}
+
+/// A motivational state: what the brain senses, its internal state with lethal boundaries, and what follows from them (Wahde 2016, §4.4.4).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Motivation {
+    /// The variables of the state.
+    pub variables: Vec<StateVariable>,
+    /// The tendencies of behaviours; none if they do not follow from the variables alone.
+    pub tendencies: Vec<Tendency>,
+}
+
+/// A variable of a motivational state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StateVariable {
+    /// The variable's name.
+    pub name: String,
+    /// The variable's value, without unit.
+    pub value: f64,
+    /// Whether it is internal, such as hunger, and not sensed.
+    pub internal: bool,
+    /// The boundaries at which the robot dies: from this value on downwards, and from this one on upwards.
+    pub lethal: [Option<f64>; 2],
+}
+
+/// The tendency to a behaviour: bias + Σ weight · value. The greater it is, the greater the utility that follows it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tendency {
+    /// The behaviour's name.
+    pub name: String,
+    /// The tendency where all variables are 0.
+    pub bias: f64,
+    /// The weight of each variable, in their order; none for all 0.
+    pub weights: Vec<f64>,
 }
 
 /// A pose that a brain believes in.

@@ -48,7 +48,9 @@ pub use baudbot_wire::create::Version as CreateVersion;
 pub use baudbot_wire::{Encoding, LayoutError, Protocol, WireLayout};
 
 pub use action::{Action, Signals, Until};
-pub use belief::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
+pub use belief::{
+    Belief, BelievedPose, GridMap, Motivation, Particle, Point, StateVariable, Tendency, Utility,
+};
 pub use body::{
     Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Sensor,
     SensorKind, Sweep,

@@ -350,7 +350,7 @@ fn commands(stream: &Stream) -> Vec<(u32, Vec<u64>)> {
 }
 
 fn is_finite(belief: &v1::Belief) -> bool {
-    let v1::Belief { state: _, utilities, pose, particles, path, map } = belief;
+    let v1::Belief { state: _, utilities, pose, particles, path, map, motivation } = belief;
     let pose = pose.iter().flat_map(|pose| {
         [pose.x_m, pose.y_m, pose.heading_rad].into_iter().chain(pose.covariance_m2.iter().copied())
     });
@@ -362,5 +362,6 @@ fn is_finite(belief: &v1::Belief) -> bool {
         .chain(path)
         .chain(map)
         .chain(utilities.iter().map(|one| one.value))
+        .chain(motivation.iter().flat_map(v1::Motivation::numbers))
         .all(f64::is_finite)
 }

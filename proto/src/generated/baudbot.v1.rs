@@ -4231,6 +4231,9 @@ pub struct Belief {
     /// Map of the world. Absent: no map.
     #[prost(message, optional, tag = "6")]
     pub map: ::core::option::Option<GridMap>,
+    /// Motivational state, by which the behaviours are chosen. Absent: not published.
+    #[prost(message, optional, tag = "7")]
+    pub motivation: ::core::option::Option<Motivation>,
 }
 /// Utility of a behaviour.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -4244,6 +4247,48 @@ pub struct Utility {
     /// True if the behaviour is active.
     #[prost(bool, tag = "3")]
     pub active: bool,
+}
+/// Motivational state: variables of what the brain senses and of its internal state, and the tendencies that follow from them.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Motivation {
+    /// Variables of the state, at most 256.
+    #[prost(message, repeated, tag = "1")]
+    pub variables: ::prost::alloc::vec::Vec<StateVariable>,
+    /// Tendencies of the behaviours, at most 256. Empty: they do not follow from the variables alone.
+    #[prost(message, repeated, tag = "2")]
+    pub tendencies: ::prost::alloc::vec::Vec<Tendency>,
+}
+/// Variable of a motivational state.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct StateVariable {
+    /// Name of the variable.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// Value of the variable, without unit.
+    #[prost(double, tag = "2")]
+    pub value: f64,
+    /// True if the variable is internal, such as hunger; false if it is sensed.
+    #[prost(bool, tag = "3")]
+    pub internal: bool,
+    /// Value at and below which the robot dies, without unit. Absent: none.
+    #[prost(double, optional, tag = "4")]
+    pub lethal_below: ::core::option::Option<f64>,
+    /// Value at and above which the robot dies, without unit. Absent: none.
+    #[prost(double, optional, tag = "5")]
+    pub lethal_above: ::core::option::Option<f64>,
+}
+/// Tendency of a behaviour: the sum of its bias and the weighted variables. The greater it is, the greater its utility.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Tendency {
+    /// Name of the behaviour.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// Tendency if all variables are 0, without unit.
+    #[prost(double, tag = "2")]
+    pub bias: f64,
+    /// Weight of each variable, without unit, in the order of the variables. Empty: all are 0.
+    #[prost(double, repeated, tag = "3")]
+    pub weights: ::prost::alloc::vec::Vec<f64>,
 }
 /// Estimated pose.
 #[derive(Clone, PartialEq, ::prost::Message)]

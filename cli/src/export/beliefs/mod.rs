@@ -2,20 +2,22 @@
 //!
 //! The run that is simulated again has no brains, so beliefs come from the file as they are. A frame has the newest belief
 //! of each brain that published since the frame before; its time is that of the frame. [`Table`] writes them, and
-//! [`Picture`] draws utilities, with sensors' readings from the simulation.
+//! [`Picture`] draws utilities, with sensors' readings from the simulation, and [`Space`] the path of motivational states.
 
 mod picture;
+mod space;
 mod table;
 
 use std::collections::BTreeSet;
 
 use anyhow::Context;
-use baudbot_proto::v1::Belief;
+use baudbot_proto::v1::{Belief, Motivation};
 use baudbot_recording::{Frames, RecordedRun};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor_columns;
 
 pub(super) use self::picture::Picture;
+pub(super) use self::space::Space;
 pub(super) use self::table::Table;
 use super::window::Window;
 use crate::args::ExportArgs;
@@ -26,10 +28,14 @@ use crate::error::Refused;
 pub(super) struct Beliefs {
     /// The names of their processes, in the order in which they were first published.
     processes: Vec<String>,
+    /// The variables of their motivational states, in the order in which they were first published.
+    variables: Vec<Variable>,
     /// One for each robot of the scenario.
     robots: Vec<Robot>,
     /// The memory for all of it, about.
     bytes: usize,
+    /// The variables of the axes of [`Space`], by their places.
+    axes: [usize; 2],
 }
 
 /// The beliefs of one brain.
@@ -37,6 +43,27 @@ pub(super) struct Beliefs {
 struct Robot {
     name: String,
     said: Vec<Said>,
+    /// The tendencies that the brain published last.
+    tendencies: Vec<Tendency>,
+}
+
+/// A variable of a motivational state.
+#[derive(Clone, Debug, PartialEq)]
+struct Variable {
+    name: String,
+    internal: bool,
+    /// The boundaries at which a robot dies, below and above.
+    lethal: [Option<f64>; 2],
+}
+
+/// The tendency to a process.
+#[derive(Clone, Debug)]
+struct Tendency {
+    /// The process's place in [`Beliefs::processes`].
+    process: usize,
+    bias: f64,
+    /// The weights of variables, by their places in [`Beliefs::variables`].
+    weights: Vec<(usize, f64)>,
 }
 
 /// A belief at an instant.
@@ -49,6 +76,15 @@ struct Said {
     pose: Option<[f64; 3]>,
     /// The utility of each process that has one, and whether it is active, by its place in [`Beliefs::processes`].
     utilities: Vec<(usize, f64, bool)>,
+    /// The value of each variable of its motivational state, by its place in [`Beliefs::variables`].
+    variables: Vec<(usize, f64)>,
+}
+
+impl Said {
+    /// The value of the variable at this place in [`Beliefs::variables`].
+    fn variable(&self, place: usize) -> Option<f64> {
+        self.variables.iter().find(|(variable, _)| *variable == place).map(|(_, value)| *value)
+    }
 }
 
 impl Beliefs {
@@ -56,7 +92,7 @@ impl Beliefs {
     pub(super) fn wanted(args: &ExportArgs, recorded: &RecordedRun, window: &Window) -> anyhow::Result<Self> {
         let mut beliefs = Self::default();
         let Some(option) = option(args) else { return Ok(beliefs) };
-        let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), said: Vec::new() };
+        let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), ..Robot::default() };
         beliefs.robots = recorded.scenario().robots.iter().map(name).collect();
         let file = args.file.display();
         let reading = || format!("cannot read {file}");
@@ -84,14 +120,17 @@ impl Beliefs {
                 "--utilities-svg: the brains of {file} have no utilities; `sweeper` and `stentor` do"
             )));
         }
+        if args.space_svg.is_some() {
+            beliefs.axes = space::axes(args, &beliefs)?;
+        }
         Ok(beliefs)
     }
 
     /// Refuses more than a program may take, before it has taken much more.
     fn check_size(&self) -> anyhow::Result<()> {
-        if self.bytes > MOST_BYTES || self.processes.len() > MOST_PROCESSES {
+        if self.bytes > MOST_BYTES || self.processes.len().max(self.variables.len()) > MOST_PROCESSES {
             return Err(Refused::error(format!(
-                "more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take a shorter part with --from-s and \
+                "more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes or variables; take a shorter part with --from-s and \
                  --to-s",
                 MOST_BYTES >> 20
             )));
@@ -102,26 +141,58 @@ impl Beliefs {
     fn take(&mut self, robot: usize, time_s: f64, belief: &Belief) {
         let mut utilities = Vec::with_capacity(belief.utilities.len());
         for utility in &belief.utilities {
-            let known = self.processes.iter().position(|name| *name == utility.name);
-            let place = known.unwrap_or_else(|| {
-                self.processes.push(utility.name.clone());
-                self.processes.len() - 1
-            });
+            let place = place_of(&mut self.processes, |name| *name == utility.name, || utility.name.clone());
             utilities.push((place, utility.value, utility.active));
         }
         let pose = belief.pose.as_ref().map(|pose| [pose.x_m, pose.y_m, pose.heading_rad]);
-        self.bytes += size_of::<Said>() + belief.state.len() + size_of_val(utilities.as_slice());
+        let variables = belief.motivation.as_ref().map(|motivation| self.take_motivation(robot, motivation));
+        let variables = variables.unwrap_or_default();
+        let lists = size_of_val(utilities.as_slice()) + size_of_val(variables.as_slice());
+        self.bytes += size_of::<Said>() + belief.state.len() + lists;
         if let Some(robot) = self.robots.get_mut(robot) {
-            robot.said.push(Said { time_s, state: belief.state.clone(), pose, utilities });
+            robot.said.push(Said { time_s, state: belief.state.clone(), pose, utilities, variables });
         }
     }
+
+    /// Keeps the tendencies, and returns the values of variables.
+    fn take_motivation(&mut self, robot: usize, motivation: &Motivation) -> Vec<(usize, f64)> {
+        let mut values = Vec::with_capacity(motivation.variables.len());
+        for variable in &motivation.variables {
+            let make = || Variable {
+                name: variable.name.clone(),
+                internal: variable.internal,
+                lethal: [variable.lethal_below, variable.lethal_above],
+            };
+            let is_it = |known: &Variable| known.name == variable.name;
+            values.push((place_of(&mut self.variables, is_it, make), variable.value));
+        }
+        let tendencies = motivation.tendencies.iter().map(|tendency| Tendency {
+            process: place_of(&mut self.processes, |name| *name == tendency.name, || tendency.name.clone()),
+            bias: tendency.bias,
+            weights: values.iter().map(|(place, _)| *place).zip(tendency.weights.iter().copied()).collect(),
+        });
+        let tendencies = tendencies.collect();
+        if let Some(robot) = self.robots.get_mut(robot) {
+            robot.tendencies = tendencies;
+        }
+        values
+    }
+}
+
+/// The place of what is known in a list, or of what is made and added at its end.
+fn place_of<T>(known: &mut Vec<T>, is_it: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> usize {
+    let place = known.iter().position(is_it);
+    place.unwrap_or_else(|| {
+        known.push(make());
+        known.len() - 1
+    })
 }
 
 /// The first option that needs beliefs.
 fn option(args: &ExportArgs) -> Option<&'static str> {
     args.outputs()
         .map(|(option, _)| option)
-        .find(|option| ["--beliefs-csv", "--utilities-svg"].contains(option))
+        .find(|option| ["--beliefs-csv", "--utilities-svg", "--space-svg"].contains(option))
 }
 
 /// A column of sensors' readings, for each robot its place among the robot's own.
@@ -154,6 +225,9 @@ const MOST_BYTES: usize = 1 << 30;
 
 /// More than any brain has.
 const MOST_PROCESSES: usize = 1000;
+
+/// Charts of more robots are no help.
+const MOST_ROBOTS: usize = 8;
 
 /// More columns than this are no help.
 const MOST_NAMED: usize = 40;

@@ -10,7 +10,7 @@ use baudbot_sim::{RobotView, World};
 use super::super::Out;
 use super::super::pass::Sink;
 use super::super::ran::Ran;
-use super::{Beliefs, Column, Robot};
+use super::{Beliefs, Column, MOST_ROBOTS, Robot};
 use crate::csv::collect;
 
 /// A picture that is drawn at the end.
@@ -90,6 +90,7 @@ impl Picture {
             Line { name: name.clone(), color: place, points: points.collect() }
         });
         let lines: Vec<_> = lines.filter(|line| !line.points.is_empty()).collect();
+        panels.extend(self.internal(robot));
         panels.push(Panel { title: "utility".to_owned(), lines, height: UTILITIES_PX });
         let end_s = self.span.map_or(0.0, |(_, end_s)| end_s);
         let strips = processes.map(|(place, name)| Strip {
@@ -99,6 +100,17 @@ impl Picture {
         });
         let strips = strips.filter(|strip| !strip.spans.is_empty()).collect();
         Chart { title: robot.name.clone(), panels, strips, span: self.span.unwrap_or((0.0, 1.0)) }
+    }
+
+    /// The internal variables of the brain's motivational state, if it has any.
+    fn internal(&self, robot: &Robot) -> Option<Panel> {
+        let internal = self.beliefs.variables.iter().enumerate().filter(|(_, variable)| variable.internal);
+        let lines = internal.map(|(place, variable)| {
+            let points = robot.said.iter().filter_map(|said| Some((said.time_s, said.variable(place)?)));
+            Line { name: variable.name.clone(), color: place, points: points.collect() }
+        });
+        let lines: Vec<_> = lines.filter(|line| !line.points.is_empty()).collect();
+        (!lines.is_empty()).then(|| Panel { title: "internal state".to_owned(), lines, height: READINGS_PX })
     }
 }
 
@@ -141,8 +153,6 @@ impl Sink for Picture {
     }
 }
 
-/// Charts of more robots are no help.
-const MOST_ROBOTS: usize = 8;
 const READINGS_PX: f64 = 110.0;
 const UTILITIES_PX: f64 = 220.0;
 
@@ -158,10 +168,11 @@ mod tests {
             state: String::new(),
             pose: None,
             utilities: vec![(0, 0.5, !active), (1, 0.5, active)],
+            variables: vec![],
         };
         let times = [(0.0, false), (1.0, true), (1.5, true), (2.0, false), (3.0, true)];
         let said = times.map(|(time_s, active)| said(time_s, active)).to_vec();
-        let robot = Robot { name: "alice".to_owned(), said };
+        let robot = Robot { name: "alice".to_owned(), said, ..Robot::default() };
         assert_eq!(spans(&robot, 1, 4.0), [(1.0, 2.0), (3.0, 4.0)]);
         assert_eq!(spans(&robot, 0, 4.0), [(0.0, 1.0), (2.0, 3.0)]);
         assert!(spans(&robot, 2, 4.0).is_empty());

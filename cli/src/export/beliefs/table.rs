@@ -33,6 +33,11 @@ impl Table {
             cells[2 * place + 1] = u8::from(active).to_string();
         }
         row.extend(cells);
+        let mut values = vec![String::new(); self.beliefs.variables.len()];
+        for &(place, value) in &said.variables {
+            values[place] = number(value);
+        }
+        row.extend(values);
         Ok(self.out.write_record(&row)?)
     }
 }
@@ -46,7 +51,8 @@ impl Sink for Table {
         let fixed = ["t_s", "robot", "state", "x_m", "y_m", "heading_rad"].map(str::to_owned);
         let processes = self.beliefs.processes.iter();
         let own = processes.flat_map(|name| [format!("{name}.utility"), format!("{name}.active")]);
-        let header: Vec<_> = fixed.into_iter().chain(own).collect();
+        let variables = self.beliefs.variables.iter().map(|variable| format!("{}.value", variable.name));
+        let header: Vec<_> = fixed.into_iter().chain(own).chain(variables).collect();
         self.out.write_record(&header)?;
         let robots = std::mem::take(&mut self.beliefs.robots);
         self.beliefs.robots =

@@ -1,5 +1,6 @@
 //! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, values [`over_time`],
-//! measured values beside simulated ones ([`compared`]), a [`scatter`] of places, and the [`residuals`] of a fit.
+//! measured values beside simulated ones ([`compared`]), a [`scatter`] of places, paths in the [`space`] of a
+//! motivational state, and the [`residuals`] of a fit.
 //!
 //! `lines` and `heat` draw a [`Chart`]; `page` has what several charts share: title, frame and the names of axes.
 
@@ -11,6 +12,7 @@ mod page;
 pub mod progress;
 pub mod residuals;
 pub mod scatter;
+pub mod space;
 
 use std::collections::BTreeMap;
 

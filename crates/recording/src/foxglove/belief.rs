@@ -207,6 +207,7 @@ mod tests {
             particles: vec![particle(1.0), particle(0.5)],
             path: vec![at(0.0, 0.0), at(3.0, 4.0)],
             map: Some(v1::GridMap { cell_m: 0.1, columns: 1, cells: vec![254], ..v1::GridMap::default() }),
+            motivation: None,
         }
     }
 

@@ -1600,6 +1600,7 @@ class Belief(_message.Message):
     PARTICLES_FIELD_NUMBER: _builtins.int
     PATH_FIELD_NUMBER: _builtins.int
     MAP_FIELD_NUMBER: _builtins.int
+    MOTIVATION_FIELD_NUMBER: _builtins.int
     state: _builtins.str
     """Active state or behaviour in a few words: one line without control characters."""
     @_builtins.property
@@ -1622,6 +1623,10 @@ class Belief(_message.Message):
     def map(self) -> Global___GridMap:
         """Map of the world. Absent: no map."""
 
+    @_builtins.property
+    def motivation(self) -> Global___Motivation:
+        """Motivational state, by which the behaviours are chosen. Absent: not published."""
+
     def __init__(
         self,
         *,
@@ -1631,10 +1636,11 @@ class Belief(_message.Message):
         particles: _abc.Iterable[Global___Particle] | None = ...,
         path: _abc.Iterable[Global___Point] | None = ...,
         map: Global___GridMap | None = ...,
+        motivation: Global___Motivation | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["map", b"map", "pose", b"pose"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["map", b"map", "motivation", b"motivation", "pose", b"pose"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["map", b"map", "particles", b"particles", "path", b"path", "pose", b"pose", "state", b"state", "utilities", b"utilities"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["map", b"map", "motivation", b"motivation", "particles", b"particles", "path", b"path", "pose", b"pose", "state", b"state", "utilities", b"utilities"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
@@ -1669,6 +1675,113 @@ class Utility(_message.Message):
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___Utility: _TypeAlias = Utility  # noqa: Y015
+
+@_typing.final
+class Motivation(_message.Message):
+    """Motivational state: variables of what the brain senses and of its internal state, and the tendencies that follow from them."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    VARIABLES_FIELD_NUMBER: _builtins.int
+    TENDENCIES_FIELD_NUMBER: _builtins.int
+    @_builtins.property
+    def variables(self) -> _containers.RepeatedCompositeFieldContainer[Global___StateVariable]:
+        """Variables of the state, at most 256."""
+
+    @_builtins.property
+    def tendencies(self) -> _containers.RepeatedCompositeFieldContainer[Global___Tendency]:
+        """Tendencies of the behaviours, at most 256. Empty: they do not follow from the variables alone."""
+
+    def __init__(
+        self,
+        *,
+        variables: _abc.Iterable[Global___StateVariable] | None = ...,
+        tendencies: _abc.Iterable[Global___Tendency] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["tendencies", b"tendencies", "variables", b"variables"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___Motivation: _TypeAlias = Motivation  # noqa: Y015
+
+@_typing.final
+class StateVariable(_message.Message):
+    """Variable of a motivational state."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    NAME_FIELD_NUMBER: _builtins.int
+    VALUE_FIELD_NUMBER: _builtins.int
+    INTERNAL_FIELD_NUMBER: _builtins.int
+    LETHAL_BELOW_FIELD_NUMBER: _builtins.int
+    LETHAL_ABOVE_FIELD_NUMBER: _builtins.int
+    name: _builtins.str
+    """Name of the variable."""
+    value: _builtins.float
+    """Value of the variable, without unit."""
+    internal: _builtins.bool
+    """True if the variable is internal, such as hunger; false if it is sensed."""
+    lethal_below: _builtins.float
+    """Value at and below which the robot dies, without unit. Absent: none."""
+    lethal_above: _builtins.float
+    """Value at and above which the robot dies, without unit. Absent: none."""
+    def __init__(
+        self,
+        *,
+        name: _builtins.str = ...,
+        value: _builtins.float = ...,
+        internal: _builtins.bool = ...,
+        lethal_below: _builtins.float | None = ...,
+        lethal_above: _builtins.float | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_lethal_above", b"_lethal_above", "_lethal_below", b"_lethal_below", "lethal_above", b"lethal_above", "lethal_below", b"lethal_below"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_lethal_above", b"_lethal_above", "_lethal_below", b"_lethal_below", "internal", b"internal", "lethal_above", b"lethal_above", "lethal_below", b"lethal_below", "name", b"name", "value", b"value"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__lethal_above: _TypeAlias = _typing.Literal["lethal_above"]  # noqa: Y015
+    _WhichOneofArgType__lethal_above: _TypeAlias = _typing.Literal["_lethal_above", b"_lethal_above"]  # noqa: Y015
+    _WhichOneofReturnType__lethal_below: _TypeAlias = _typing.Literal["lethal_below"]  # noqa: Y015
+    _WhichOneofArgType__lethal_below: _TypeAlias = _typing.Literal["_lethal_below", b"_lethal_below"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__lethal_above) -> _WhichOneofReturnType__lethal_above | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__lethal_below) -> _WhichOneofReturnType__lethal_below | None: ...
+
+Global___StateVariable: _TypeAlias = StateVariable  # noqa: Y015
+
+@_typing.final
+class Tendency(_message.Message):
+    """Tendency of a behaviour: the sum of its bias and the weighted variables. The greater it is, the greater its utility."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    NAME_FIELD_NUMBER: _builtins.int
+    BIAS_FIELD_NUMBER: _builtins.int
+    WEIGHTS_FIELD_NUMBER: _builtins.int
+    name: _builtins.str
+    """Name of the behaviour."""
+    bias: _builtins.float
+    """Tendency if all variables are 0, without unit."""
+    @_builtins.property
+    def weights(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """Weight of each variable, without unit, in the order of the variables. Empty: all are 0."""
+
+    def __init__(
+        self,
+        *,
+        name: _builtins.str = ...,
+        bias: _builtins.float = ...,
+        weights: _abc.Iterable[_builtins.float] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["bias", b"bias", "name", b"name", "weights", b"weights"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___Tendency: _TypeAlias = Tendency  # noqa: Y015
 
 @_typing.final
 class BelievedPose(_message.Message):
