@@ -205,6 +205,24 @@ fn a_goose_rolls_in_an_egg_that_is_no_longer_there() {
     assert!(farthest_m > 0.1 && at.x.abs() < 0.05, "out to {farthest_m}, and back to {}", at.x);
 }
 
+const STICKLEBACK: &str = include_str!("../../catalogue/scenarios/stickleback.toml");
+
+/// §4.4.3, a releasing mechanism: red releases the attack, whatever the shape; no other colour does.
+#[test]
+fn a_stickleback_attacks_what_is_red_and_nothing_else() {
+    let driven_m = |set: &str| {
+        let world = run_of(STICKLEBACK, &[set], &[("stickleback", "stickleback")]);
+        world.robot(0).counters().distance_m
+    };
+    for red in ["arena.movers.model.color=[200, 40, 40]", "arena.movers.model.radius_m=0.2"] {
+        // Once there and back, although the model is in sight for longer.
+        assert!((0.6..0.8).contains(&driven_m(red)), "{red}: {}", driven_m(red));
+    }
+    for color in ["[40, 60, 200]", "[40, 200, 60]", "[128, 128, 128]", "[255, 255, 255]", "[0, 0, 0]"] {
+        assert_eq!(driven_m(&format!("arena.movers.model.color={color}")), 0.0, "{color}");
+    }
+}
+
 const PILLAR: &str = include_str!("../../catalogue/scenarios/pillar.toml");
 
 /// §8.1.1: commands that contradict each other cancel, and those of unequal weights do not.

@@ -44,6 +44,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("patient", "patient", false),
     home!("pillar", "pillar", false),
     home!("stentor", "stentor", false),
+    home!("stickleback", "stickleback", false),
     home!("sweeper", "sweeper", true),
     home!("tour", "tour", false),
     home!("wander", "wander", false),
