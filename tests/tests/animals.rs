@@ -223,6 +223,44 @@ fn a_stickleback_attacks_what_is_red_and_nothing_else() {
     }
 }
 
+const SCRATCH: &str = include_str!("../../catalogue/scenarios/scratch.toml");
+
+/// The greatest intensity of the reflex at each touch.
+fn intensities(brain: &str) -> Vec<f64> {
+    let mut local = InProcess::new(scenario(SCRATCH, &[]), brain).unwrap();
+    let mut touches: Vec<f64> = Vec::new();
+    let mut felt = false;
+    while local.world.ending().is_none() {
+        local.tick(|_| {});
+        let Some(belief) = local.belief(0) else { continue };
+        let scratch = belief.utilities.iter().find(|utility| utility.name == "scratch").unwrap().value;
+        let feels = belief.motivation.unwrap().variables[0].value > 0.0 && scratch > 1e-3;
+        match (felt, touches.last_mut()) {
+            (true, Some(greatest)) if feels => *greatest = greatest.max(scratch),
+            _ if feels => touches.push(scratch),
+            _ => {}
+        }
+        felt = feels;
+    }
+    touches
+}
+
+/// §4.4.1, warm-up and fatigue as a curve: the reflex grows with each of the first touches, is strongest later, and then falls to nothing.
+#[test]
+fn a_reflex_warms_up_then_tires_and_is_gone() {
+    let touches = intensities("scratcher");
+    let strongest = (0..touches.len()).max_by(|a, b| touches[*a].total_cmp(&touches[*b])).unwrap();
+    assert!((5..15).contains(&strongest), "{touches:?}");
+    assert!(touches[..5].windows(2).all(|pair| pair[1] > pair[0]), "{touches:?}");
+    assert!(touches[strongest] > 2.0 * touches[0], "{touches:?}");
+    assert!(touches[strongest + 8..].windows(2).all(|pair| pair[1] < pair[0] + 0.02), "{touches:?}");
+    assert!(*touches.last().unwrap() < 0.05, "{touches:?}");
+    let tireless = intensities("scratcher:internal.fatigue.release.itch=0");
+    assert!(tireless.len() > 40 && *tireless.last().unwrap() > 0.7, "{tireless:?}");
+    let never_warm = intensities("scratcher:internal.warmth.release.itch=0");
+    assert!(never_warm.iter().all(|intensity| *intensity <= never_warm[0] + 0.02), "{never_warm:?}");
+}
+
 const PILLAR: &str = include_str!("../../catalogue/scenarios/pillar.toml");
 
 /// §8.1.1: commands that contradict each other cancel, and those of unequal weights do not.

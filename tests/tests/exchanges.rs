@@ -43,6 +43,7 @@ pub(crate) const HOMES: &[Home] = &[
     home!("navigate", "arsim", false),
     home!("patient", "patient", false),
     home!("pillar", "pillar", false),
+    home!("scratcher", "scratch", false),
     home!("stentor", "stentor", false),
     home!("stickleback", "stickleback", false),
     home!("sweeper", "sweeper", true),

@@ -35,6 +35,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("mower", include_str!("../../repertoires/mower.toml")),
     ("patient", include_str!("../../repertoires/patient.toml")),
     ("pillar", include_str!("../../repertoires/pillar.toml")),
+    ("scratcher", include_str!("../../repertoires/scratcher.toml")),
     ("stickleback", include_str!("../../repertoires/stickleback.toml")),
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
