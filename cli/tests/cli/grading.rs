@@ -70,6 +70,28 @@ fn each_solution_passes_and_each_mistake_gets_its_word() {
     }
 }
 
+/// §7.2.2: what a robot pays is what the closed form says of its order, and what it pays on the way between its needs.
+#[test]
+fn a_robot_pays_for_its_needs_what_the_closed_form_says_and_for_its_way() {
+    let brains: toml::Table =
+        include_str!("../../../catalogue/exercises/solutions/brains.toml").parse().unwrap();
+    let cost = |brain: &toml::Value| {
+        let json = graded("needs", brain.as_str().unwrap()).1;
+        json["runs"][0]["measures"]["quadratic_cost"].as_f64().unwrap()
+    };
+    // Q x³ / 3r of both, and what the second costs while the first is satisfied.
+    let (eating, drinking) = (0.36 * 120.0 / 3.0, 2.0 * 0.16 * 40.0 / 3.0);
+    let of_needs = &brains["needs"];
+    for (brain, closed) in [
+        (&of_needs["solution"], drinking + 0.36 * 40.0 + eating),
+        (&of_needs["mistakes"][0]["brain"], eating + 2.0 * 0.16 * 120.0 + drinking),
+    ] {
+        let cost = cost(brain);
+        // Half the way costs 0.68 a second for 3 s, all of it what is left of the second need for 6 s.
+        assert!(cost > closed && cost < closed + 7.0, "{cost} instead of {closed} and the way");
+    }
+}
+
 #[test]
 fn a_grading_is_the_same_with_any_number_of_jobs_and_its_json_has_the_fields_that_the_book_has() {
     let with = |jobs: &str| {

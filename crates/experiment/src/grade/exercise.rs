@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use baudbot_brains::decision::quadratic::Need;
 use baudbot_geometry::Point;
 use baudbot_import::source::SourceError;
 use baudbot_run::UnknownName;
@@ -12,6 +13,7 @@ use baudbot_sim::Scenario;
 use crate::checked_fields::{fields, seconds, within};
 use crate::error::Error;
 use crate::grade::advice::Advice;
+use crate::grade::deficits::Deficit;
 use crate::grade::measure::Measure;
 use crate::grade::raw;
 use crate::grade::watch::Target;
@@ -44,6 +46,8 @@ pub struct Exercise {
     /// The share of the points that is enough, above 0 and at most 1.
     pub pass: f64,
     pub(crate) target: Option<Target>,
+    /// The needs of the robot.
+    pub(crate) deficits: Vec<Deficit>,
     /// The time limits for a brain.
     pub limits: Limits,
     /// The criteria that give points; at least one.
@@ -118,6 +122,7 @@ impl Exercise {
             seeds: Seeds::of(Some(raw.seeds.as_ref().unwrap_or(&default)))?,
             pass: within("pass", raw.pass.unwrap_or(1.0), 1.0)?,
             target: raw.target.as_ref().map(target).transpose()?,
+            deficits: deficits(&raw.deficits, &scenario)?,
             limits: limits(&raw.limits)?,
             criteria: criteria.collect::<Result<_, _>>()?,
             advice: advice.collect::<Result<_, _>>()?,
@@ -201,6 +206,21 @@ fn target(raw: &raw::Target) -> Result<Target, Error> {
     Ok(Target { position: Point::new(raw.x_m, raw.y_m), heading_rad: raw.heading_rad })
 }
 
+fn deficits(raw: &[raw::Deficit], scenario: &Scenario) -> Result<Vec<Deficit>, Error> {
+    let names: Vec<_> = scenario.surroundings.zones.iter().map(|zone| zone.name.as_str()).collect();
+    let deficit = |(i, raw): (usize, &raw::Deficit)| {
+        let at = |name: &str| format!("deficits[{i}].{name}");
+        let unknown = || Error::field(at("zone"), UnknownName::new("zone", &raw.zone, &names));
+        let need = Need {
+            deficit: within(&at("deficit"), raw.deficit, 1e6)?,
+            importance: within(&at("importance"), raw.importance, 1e6)?,
+            rate: within(&at("rate_per_s"), raw.rate_per_s, 1e6)?,
+        };
+        Ok(Deficit { zone: names.iter().position(|name| *name == raw.zone).ok_or_else(unknown)?, need })
+    };
+    raw.iter().enumerate().map(deficit).collect()
+}
+
 fn limits(raw: &raw::Limits) -> Result<Limits, Error> {
     let seconds = |name: &str, given: Option<f64>, default: f64| {
         within(&format!("limits.{name}"), given.unwrap_or(default), 86400.0).map(Duration::from_secs_f64)
@@ -257,6 +277,16 @@ needs = { collisions_at_most = 0 }
             ),
             ("\"Wander\"", "\"\"", "title: must be one line"),
             ("seconds = 5.0\n", "", "seconds: is missing, and wander sets no end.after_s"),
+            (
+                "seconds = 5.0\n",
+                "seconds = 5.0\n[[deficits]]\nzone = \"larder\"\ndeficit = 1.0\nimportance = 1.0\nrate_per_s = 0.1\n",
+                "deficits[0].zone: there is no zone `larder`",
+            ),
+            (
+                "seconds = 5.0\n",
+                "seconds = 5.0\n[[deficits]]\nzone = \"larder\"\ndeficit = 1.0\nimportance = 1.0\nrate_per_s = -1.0\n",
+                "deficits[0].rate_per_s: must be above 0",
+            ),
             ("seconds = 5.0", "seconds = -5.0", "seconds: must be from 1e-9"),
             ("seconds = 5.0", "seconds = 5.0\npass = 1.5", "pass: must be above 0 and at most 1, is 1.5"),
             ("seconds = 5.0", "seconds = 5.0\nseeds = 0", "seeds: must be at least 1"),

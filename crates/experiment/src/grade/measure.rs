@@ -37,6 +37,7 @@ pub enum Own {
     BeliefErrorMeanM,
     BeliefErrorMaxM,
     BeliefErrorEndM,
+    QuadraticCost,
 }
 
 /// The description of a measure.
@@ -51,7 +52,7 @@ pub struct MeasureInfo {
 }
 
 /// All measures that only exercises have.
-pub const MEASURES: [MeasureInfo; 19] = [
+pub const MEASURES: [MeasureInfo; 20] = [
     info(Own::TurnedRad, "turned_rad", "sum of the robot's turns, positive to the left"),
     info(Own::FarthestM, "farthest_m", "largest distance from the start"),
     info(Own::EndErrorM, "end_error_m", "distance from `target` at the end"),
@@ -83,6 +84,11 @@ pub const MEASURES: [MeasureInfo; 19] = [
     info(Own::BeliefErrorMeanM, "belief_error_mean_m", "mean distance of these poses from the truth"),
     info(Own::BeliefErrorMaxM, "belief_error_max_m", "largest distance of such a pose from the truth"),
     info(Own::BeliefErrorEndM, "belief_error_end_m", "distance of the last such pose from the truth"),
+    info(
+        Own::QuadraticCost,
+        "quadratic_cost",
+        "integral over the run of the importance of each of `deficits` times its square",
+    ),
 ];
 
 const fn info(own: Own, name: &'static str, meaning: &'static str) -> MeasureInfo {

@@ -13,6 +13,7 @@
 //!    write it down.
 
 mod advice;
+mod deficits;
 mod exercise;
 mod findings;
 mod grading;

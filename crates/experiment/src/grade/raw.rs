@@ -22,6 +22,8 @@ pub(crate) struct Exercise {
     pub(crate) pass: Option<f64>,
     pub(crate) target: Option<Target>,
     #[serde(default)]
+    pub(crate) deficits: Vec<Deficit>,
+    #[serde(default)]
     pub(crate) limits: Limits,
     #[serde(default)]
     pub(crate) criteria: Vec<Criterion>,
@@ -35,6 +37,15 @@ pub(crate) struct Target {
     pub(crate) x_m: f64,
     pub(crate) y_m: f64,
     pub(crate) heading_rad: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Deficit {
+    pub(crate) zone: String,
+    pub(crate) deficit: f64,
+    pub(crate) importance: f64,
+    pub(crate) rate_per_s: f64,
 }
 
 #[derive(Debug, Default, Deserialize)]

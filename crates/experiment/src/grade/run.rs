@@ -81,7 +81,7 @@ impl Run {
         stop: &AtomicBool,
     ) -> Result<Option<Self>, Error> {
         let world = World::new(exercise.scenario_with(seed)?.into());
-        let mut watch = Watch::new(&world, exercise.robot, exercise.target);
+        let mut watch = Watch::new(&world, exercise.robot, exercise.target, &exercise.deficits);
         let look = move |world: &World, believed: &[_]| {
             let hits = watch.see(world, believed);
             let ended = |ending: &Ending| {

@@ -5,6 +5,7 @@ use baudbot_sim::collision::Collision;
 use baudbot_sim::{RobotView, World};
 
 use crate::figures::Figures;
+use crate::grade::deficits::{Cost, Deficit};
 use crate::grade::measure::{MEASURES, Measure, Own};
 use crate::observer::Sight;
 use crate::requirement::Demands;
@@ -57,6 +58,9 @@ pub(crate) struct Watch {
     queue_max_bytes: u64,
     errors: Errors,
     first_hit_s: Option<f64>,
+    cost: Cost,
+    /// The robot's time in each zone, in nanoseconds.
+    in_zone_ns: Vec<u64>,
 }
 
 /// Distances of believed poses from the truth, in metres.
@@ -79,8 +83,8 @@ impl Measures {
 }
 
 impl Watch {
-    /// Watches this robot of a world at its start.
-    pub(crate) fn new(world: &World, robot: usize, target: Option<Target>) -> Self {
+    /// Watches this robot, with its needs, of a world at its start.
+    pub(crate) fn new(world: &World, robot: usize, target: Option<Target>, deficits: &[Deficit]) -> Self {
         let pose = world.robot(robot).motion().pose;
         Self {
             robot,
@@ -100,6 +104,8 @@ impl Watch {
             queue_max_bytes: 0,
             errors: Errors::default(),
             first_hit_s: None,
+            cost: Cost::new(deficits),
+            in_zone_ns: world.score().in_zone_ns(robot).to_vec(),
         }
     }
 
@@ -122,8 +128,16 @@ impl Watch {
         self.heading_rad = pose.heading;
         self.farthest_m = self.farthest_m.max((pose.position - self.start).norm());
         self.note_motion(&robot, now_ns, took_ns);
+        self.note_needs(world, took_ns);
         self.queue_max_bytes = self.queue_max_bytes.max(robot.under_way()[1]);
         self.hits(world)
+    }
+
+    fn note_needs(&mut self, world: &World, took_ns: u64) {
+        let in_zone_ns = world.score().in_zone_ns(self.robot);
+        let spent_s = |zone: usize| (in_zone_ns[zone] - self.in_zone_ns[zone]) as f64 / 1e9;
+        self.cost.step(took_ns as f64 / 1e9, spent_s);
+        self.in_zone_ns.copy_from_slice(in_zone_ns);
     }
 
     fn note_motion(&mut self, robot: &RobotView<'_>, now_ns: u64, took_ns: u64) {
@@ -187,6 +201,7 @@ impl Watch {
         set(Own::BeliefErrorMeanM, errors.map(|errors| errors.sum / errors.count as f64));
         set(Own::BeliefErrorMaxM, errors.map(|errors| errors.max));
         set(Own::BeliefErrorEndM, errors.map(|errors| errors.last));
+        set(Own::QuadraticCost, self.cost.total());
         let mut figures = Figures::of_world(world);
         self.sight.complete(&mut figures);
         Measures { figures, own }
