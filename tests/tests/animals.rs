@@ -345,6 +345,43 @@ fn a_robot_finds_its_charger_by_the_lamp_over_it() {
     assert_eq!(ends_with(0.0), "the battery of `robot` is empty");
 }
 
+const DOUBLE_BRIDGE: &str = include_str!("../../catalogue/scenarios/double-bridge.toml");
+
+/// The part of a colony's time on either way that is on the shorter one, from the fifth minute to the tenth.
+fn share_of_the_shorter(brain: &str, seed: u64) -> f64 {
+    let mut local = InProcess::new(scenario(DOUBLE_BRIDGE, &[&format!("seed={seed}")]), brain).unwrap();
+    let spent_ns = |local: &InProcess, zone: usize| -> u64 {
+        (0..local.world.robots().len()).map(|robot| local.world.score().in_zone_ns(robot)[zone]).sum()
+    };
+    local.run(300 * 40);
+    let before = [0, 1].map(|zone| spent_ns(&local, zone));
+    local.run(300 * 40);
+    let [shorter, longer] = [0, 1].map(|zone| (spent_ns(&local, zone) - before[zone]) as f64);
+    assert!(shorter + longer > 50e9, "the colony is stuck: {shorter} and {longer} ns");
+    shorter / (shorter + longer)
+}
+
+/// §4.4.2, pheromone: three of four go the shorter way where they lay a trail, and half of them where they lay none.
+#[test]
+fn a_colony_finds_the_shorter_way_by_its_trail() {
+    let with = share_of_the_shorter("trail-ant", 1);
+    let without = share_of_the_shorter("trail-ant:actuators.gland.weights.scent=0", 1);
+    assert!(with > 0.7 && without < 0.67, "{with} with a trail, {without} without");
+}
+
+#[test]
+#[ignore = "40 s of twenty colonies; one with a trail and one without always run"]
+fn most_colonies_find_the_shorter_way_by_their_trails() {
+    let shares =
+        |brain: &str| -> Vec<f64> { (1..=10).map(|seed| share_of_the_shorter(brain, seed)).collect() };
+    let (with, without) = (shares("trail-ant"), shares("trail-ant:actuators.gland.weights.scent=0"));
+    println!("with a trail {with:.2?}, without {without:.2?}");
+    let mean = |shares: &[f64]| shares.iter().sum::<f64>() / shares.len() as f64;
+    assert!(with.iter().filter(|share| **share > 0.67).count() >= 8, "{with:?}");
+    assert!(without.iter().filter(|share| **share > 0.67).count() <= 1, "{without:?}");
+    assert!(mean(&with) > mean(&without) + 0.18, "{with:?} {without:?}");
+}
+
 const TRAIL: &str = include_str!("../../catalogue/scenarios/devices/trail.toml");
 
 /// §4.4.2, pheromone trails: an ant with two antennae follows what another has laid; one that does not compare them loses it.

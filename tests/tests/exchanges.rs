@@ -59,6 +59,7 @@ pub(crate) const HOMES: &[Home] = &[
 const LEFT_OUT: &[(&str, &str)] = &[
     ("bat", "its robots have different brains, and different bodies"),
     ("moth", "its robots have different brains, and different bodies"),
+    ("trail-ant", "its colony drives as far as its crowds let it"),
     ("xanthus", "its robots have different brains, and different bodies"),
 ];
 

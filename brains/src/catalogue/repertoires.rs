@@ -39,6 +39,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("stickleback", include_str!("../../repertoires/stickleback.toml")),
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
+    ("trail-ant", include_str!("../../repertoires/trail-ant.toml")),
     ("waterhole", include_str!("../../repertoires/waterhole.toml")),
     ("wedge", include_str!("../../repertoires/wedge.toml")),
     ("xanthus", include_str!("../../repertoires/xanthus.toml")),
