@@ -243,5 +243,7 @@ export class Store extends Emitter<Events> {
 /** An empty belief says that what was said before is void. */
 function saysSomething(belief: Belief): boolean {
   const { state, utilities, pose, particles, path, map, motivation } = belief;
-  return state !== "" || [utilities, particles, path].some((list) => list.length > 0) || !!pose || !!map || !!motivation;
+  return (
+    state !== "" || [utilities, particles, path].some((list) => list.length > 0) || !!pose || !!map || !!motivation
+  );
 }

@@ -48,6 +48,13 @@ fn robot(cable: &str) -> String {
          [robots.sensors.nose]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
          [robots.sensors.food]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
          [robots.sensors.water]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.nest]\nkind = \"field\"\nfield = \"smell\"\nmount = {{ x_m = 0.0 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.antenna_left]\nkind = \"field\"\nfield = \"lure\"\nmount = {{ y_m = 0.04 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.antenna_right]\nkind = \"field\"\nfield = \"lure\"\nmount = {{ y_m = -0.04 }}\nperiod_ms = 50.0\n\
+         [robots.sensors.bumper]\nkind = \"bumper\"\nbearing_rad = 0.0\nopening_rad = 1.6\nrays = 5\ntravel_m = 0.01\nperiod_ms = 50.0\n\
+         [robots.sensors.hair]\nkind = \"whisker\"\nmount = {{ x_m = 0.2 }}\nlength_m = 0.2\nperiod_ms = 20.0\n\
+         [robots.actuators.leg]\nkind = \"turret\"\nmin_rad = 0.0\nmax_rad = 1.5\nrate_rad_s = 6.0\n\
+         [robots.sensors.camera]\nkind = \"line-camera\"\nbearing_rad = 0.0\nheight_m = 0.05\nopening_rad = 0.4\ncolumns = 8\nrange_m = 2.0\nperiod_ms = 40.0\n\
          [robots.sensors.laser]\nkind = \"laser\"\nmount = {{ x_m = 0.0 }}\nrays = 61\nopening_rad = 4.0\nrange_m = 5.0\nperiod_ms = 100.0\n\
          port = {{ link = {{ kind = \"uart\", baud = 115200 }} }}\n"
     )
