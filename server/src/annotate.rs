@@ -92,14 +92,32 @@ fn check_weights(motivation: Option<&v1::Motivation>) -> Result<(), Status> {
     Err(invalid(&field, format!("must have one for each of the {n} variables or none, has {weights}")))
 }
 
+fn check_motivation(v1::Motivation { variables, tendencies }: &v1::Motivation) -> Result<(), Status> {
+    for (i, variable) in variables.iter().enumerate() {
+        let numbers = [
+            ("value", Some(variable.value)),
+            ("lethal_below", variable.lethal_below),
+            ("lethal_above", variable.lethal_above),
+        ];
+        for (field, number) in numbers {
+            finite(|| format!("motivation.variables[{i}].{field}"), number.unwrap_or_default())?;
+        }
+    }
+    for (i, tendency) in tendencies.iter().enumerate() {
+        finite(|| format!("motivation.tendencies[{i}].bias"), tendency.bias)?;
+        for (j, weight) in tendency.weights.iter().enumerate() {
+            finite(|| format!("motivation.tendencies[{i}].weights[{j}]"), *weight)?;
+        }
+    }
+    Ok(())
+}
+
 /// Checks the numbers, since what is not finite cannot be drawn.
 fn check_numbers(belief: &v1::Belief) -> Result<(), Status> {
     for (i, utility) in belief.utilities.iter().enumerate() {
         finite(|| format!("utilities[{i}].value"), utility.value)?;
     }
-    for number in belief.motivation.iter().flat_map(v1::Motivation::numbers) {
-        finite(|| "motivation".to_owned(), number)?;
-    }
+    belief.motivation.as_ref().map_or(Ok(()), check_motivation)?;
     if let Some(pose) = &belief.pose {
         for (field, number) in [("x_m", pose.x_m), ("y_m", pose.y_m), ("heading_rad", pose.heading_rad)] {
             finite(|| format!("pose.{field}"), number)?;
@@ -196,6 +214,8 @@ mod tests {
                 refused(|b| b.particles[0].weight = odd as f32),
                 refused(|b| b.path[0].y_m = odd),
                 refused(|b| motivation(b).variables[0].lethal_above = Some(odd)),
+                refused(|b| motivation(b).variables[0].value = odd),
+                refused(|b| motivation(b).tendencies[0].bias = odd),
                 refused(|b| motivation(b).tendencies[0].weights[0] = odd),
                 refused(|b| map(b).x_m = odd),
                 refused(|b| map(b).cell_m = odd),
@@ -209,8 +229,10 @@ mod tests {
                 "particles[0].x_m",
                 "particles[0].weight",
                 "path[0].y_m",
-                "motivation",
-                "motivation",
+                "motivation.variables[0].lethal_above",
+                "motivation.variables[0].value",
+                "motivation.tendencies[0].bias",
+                "motivation.tendencies[0].weights[0]",
                 "map.x_m",
                 "map.cell_m",
             ];

@@ -12,7 +12,7 @@ use super::{Composed, Decision, Motor};
 use crate::decision::Hydraulic;
 
 impl Composed {
-    /// The motivational state now; `None` if nothing of it is internal.
+    /// The motivational state now; `None` if nothing of it is internal, or a number of it ran over.
     pub(super) fn motivation(&self) -> Option<Motivation> {
         let (hydraulic, follows_utilities) = match &self.decision {
             Decision::Hydraulic(hydraulic) => (Some(hydraulic), false),
@@ -23,7 +23,12 @@ impl Composed {
             return None;
         }
         let tendencies = if follows_utilities { self.tendencies() } else { Vec::new() };
-        Some(Motivation { variables: self.variables(hydraulic), tendencies })
+        let variables = self.variables(hydraulic);
+        // A number that ran over has no place in a space, and the server takes none.
+        variables
+            .iter()
+            .all(|variable| variable.value.is_finite())
+            .then_some(Motivation { variables, tendencies })
     }
 
     /// What is sensed, what is internal, and the energies of reservoirs.
@@ -35,7 +40,7 @@ impl Composed {
         let internal = internal.map(|own| variable(own.name.clone(), true, own.lethal));
         let mut variables: Vec<_> = sensed.chain(internal).collect();
         for (variable, value) in variables.iter_mut().zip(values) {
-            variable.value = if value.is_finite() { value } else { 0.0 };
+            variable.value = value;
         }
         for reservoir in hydraulic.into_iter().flat_map(|hydraulic| &hydraulic.reservoirs) {
             let name = format!("energy of {}", self.motors[reservoir.behavior].name);

@@ -8,6 +8,7 @@ use baudbot_plot::{caption, chart as plot};
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Field, Setting};
 use crate::figures::INFOS;
+use crate::paired::Baseline;
 use crate::raw::ChartKind;
 use crate::requested_charts::Chart;
 use crate::run_record::Row;
@@ -18,8 +19,8 @@ use crate::statistics::{Sample, wilson};
 #[derive(Debug)]
 pub struct Graphs {
     data: Vec<Data>,
-    /// The values of the first combination, by charts and the places of seeds, which differences are from.
-    first: Vec<Vec<Option<f64>>>,
+    /// The runs of the first combination, which differences are from.
+    first: Baseline,
 }
 
 /// The points of a chart, by the places of its two fields' values.
@@ -35,32 +36,31 @@ struct Point {
 impl Graphs {
     /// The charts without any runs.
     pub fn new(experiment: &Experiment) -> Self {
-        let charts = experiment.charts.len();
-        Self { data: vec![Data::new(); charts], first: vec![Vec::new(); charts] }
+        Self { data: vec![Data::new(); experiment.charts.len()], first: Baseline::default() }
     }
 
     /// Takes in a row; rows come in the order of their runs.
     pub fn add(&mut self, experiment: &Experiment, row: &Row) {
-        let cell = experiment.task(row.run).cell;
         let seeds = experiment.seeds.count();
-        for ((chart, data), first) in experiment.charts.iter().zip(&mut self.data).zip(&mut self.first) {
+        if row.run < seeds && experiment.charts.iter().any(|chart| chart.is_difference) {
+            self.first.add(experiment, row);
+        }
+        let Ok(ran) = &row.outcome else { return };
+        let cell = experiment.task(row.run).cell;
+        for (chart, data) in experiment.charts.iter().zip(&mut self.data) {
             let place = |i: usize| place(&experiment.fields[i], &cell.levels[i].name, cell.levels[i].number);
             let key = (place(chart.x), chart.by.map_or(0, place));
-            let value = row.outcome.as_ref().ok().and_then(|ran| match chart.figure {
+            let mut value = match chart.figure {
                 Some(figure) => ran.figures.get(figure),
                 None => experiment.succeeded(row).map(|success| f64::from(u8::from(success))),
-            });
-            if chart.is_difference && row.run < seeds {
-                first.push(value);
+            };
+            if chart.is_difference {
+                let from = self.first.value((row.run % seeds) as usize, chart.figure);
+                value = value.zip(from).map(|(value, from)| value - from);
             }
-            let from = first.get((row.run % seeds) as usize).copied().flatten();
-            let value =
-                if chart.is_difference { value.zip(from).map(|(value, from)| value - from) } else { value };
-            if row.outcome.is_ok() {
-                let point = data.entry(key).or_default();
-                point.is_share = chart.figure.is_none() && !chart.is_difference;
-                value.into_iter().for_each(|value| point.sample.add(value));
-            }
+            let point = data.entry(key).or_default();
+            point.is_share = chart.figure.is_none() && !chart.is_difference;
+            value.into_iter().for_each(|value| point.sample.add(value));
         }
     }
 

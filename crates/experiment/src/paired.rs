@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::experiment::Experiment;
-use crate::figures::{Figures, INFOS};
+use crate::figures::{Figure, Figures, INFOS};
 use crate::run_record::Row;
 use crate::statistics::{Sample, mcnemar, pairs_for_difference, pairs_for_shares};
 
@@ -55,6 +55,17 @@ impl Baseline {
             if let (Some(before), Some(after)) = (before, after) {
                 sample.add(after - before);
             }
+        }
+    }
+}
+
+impl Baseline {
+    /// The value of a figure, or of success, in the run with the seed of this place.
+    pub(crate) fn value(&self, place: usize, figure: Option<Figure>) -> Option<f64> {
+        let first = self.runs.get(place)?.as_ref()?;
+        match figure {
+            Some(figure) => first.figures.get(figure),
+            None => first.success.map(|success| f64::from(u8::from(success))),
         }
     }
 }
