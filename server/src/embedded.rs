@@ -32,6 +32,7 @@ use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::calls::{RESPONSES_AHEAD, take_calls};
 use crate::control::{Control, ControlServer, Told};
 use crate::limits::{InForce, Limits};
+use crate::message::Message;
 use crate::observe::{Observe, ObserveServer};
 use crate::recording::Folder;
 use crate::registry::Registry;
@@ -44,6 +45,7 @@ pub struct Embedded {
 /// The services of an [`Embedded`] server, for gRPC clients of package `baudbot.v1` in the same program. Clones share them.
 #[derive(Clone)]
 pub struct Services {
+    registry: Registry,
     control: ControlServer,
     observe: ObserveServer,
     brain_link: BrainLinkServer,
@@ -55,9 +57,14 @@ impl Embedded {
         let registry = Registry::new(InForce::new(limits)).without_threads();
         let observe = Observe { registry: registry.clone() };
         let brain_link = BrainLink { registry: registry.clone(), patience: PATIENCE };
-        let control = Control { registry, recordings: Some(Folder::new(recordings)), told: Told::default() };
+        let control = Control {
+            registry: registry.clone(),
+            recordings: Some(Folder::new(recordings)),
+            told: Told::default(),
+        };
         Self {
             services: Services {
+                registry,
                 control: ControlServer::new(Arc::new(control), crate::calls::MAX_MESSAGE),
                 observe: ObserveServer::new(observe),
                 brain_link: BrainLinkServer::new(brain_link),
@@ -82,6 +89,18 @@ impl Embedded {
             take_calls(std::pin::pin!(messages), services, responses).await;
         });
         (requests, queue)
+    }
+}
+
+impl Services {
+    /// The seed of a world's run.
+    ///
+    /// # Errors
+    /// If there is no such world, or it is going.
+    pub async fn seed(&self, world: &str) -> Result<u64, Status> {
+        let standing = self.registry.find("world", world)?.ask(|reply| Message::Stand(None, reply)).await?;
+        let report = standing.report.ok_or_else(|| Status::internal("a world without a report"))?;
+        Ok(report.world.scenario().seed)
     }
 }
 

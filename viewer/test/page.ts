@@ -126,8 +126,11 @@ test("the run in which a search found a failure fails in the page, too", options
   const { status, stdout } = spawnSync(BAUDBOT, search, { encoding: "utf8" });
   assert.equal(status, 1, stdout);
   const page = await open(SINGLE);
-  const result = await run(page, ":avoid", undefined, readFileSync(join(out, "worst.toml"), "utf8"));
+  const found = readFileSync(join(out, "worst.toml"), "utf8");
+  assert.match(found, /^end = /m);
+  const result = await run(page, ":avoid", undefined, found);
   assert.equal(hashOf(result), JSON.parse(stdout).case.state_hash, result);
+  assert.equal(await page.getByTestId("seconds").inputValue(), "", "a scenario's own end is not replaced by a minute");
   await page.close();
 });
 

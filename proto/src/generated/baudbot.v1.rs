@@ -137,6 +137,9 @@ pub struct WorldStatus {
     /// Reason why the run ended. Unspecified while it has not ended.
     #[prost(enumeration = "EndingKind", tag = "17")]
     pub ending_kind: i32,
+    /// Seed of all random streams of the run.
+    #[prost(uint64, tag = "18")]
+    pub seed: u64,
 }
 /// Progress of a world that replays a recording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]

@@ -47,6 +47,7 @@ pub fn world_status(world: &World) -> v1::WorldStatus {
         robots: (0..world.robots().len()).map(|robot| robot_status(world, robot)).collect(),
         score: score(world),
         movers: movers(world),
+        seed: world.scenario().seed,
         ..Default::default()
     }
 }

@@ -5,6 +5,7 @@ use std::io;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Channel, Client, Error, Fleet, run_fleet};
+use baudbot_server::Services;
 use serde::Deserialize;
 
 /// Which brain drives which robots.
@@ -18,8 +19,6 @@ pub(crate) struct Assignment {
     brain: String,
     /// A brain that is described in TOML.
     text: Option<String>,
-    #[serde(default = "first_seed")]
-    seed: u64,
 }
 
 /// Why a brain does not drive.
@@ -35,23 +34,24 @@ pub(crate) enum BrainError {
 
 /// A brain that holds its robots.
 pub(crate) struct Driver {
-    channel: Channel,
+    services: Services,
     assignment: Assignment,
     fleet: Fleet,
     brains: Vec<Box<dyn Brain + Send>>,
 }
 
 impl Driver {
-    /// Takes hold of the robots and makes their brains.
+    /// Takes hold of the robots and makes their brains, with the seed of the world, as `baudbot run` does.
     ///
     /// # Errors
     /// If the server refuses, or the catalogue has no such brain for a robot.
-    pub(crate) async fn attach(channel: Channel, mut assignment: Assignment) -> Result<Self, BrainError> {
+    pub(crate) async fn attach(services: Services, mut assignment: Assignment) -> Result<Self, BrainError> {
         if assignment.text.is_some() {
             assignment.brain = OWN.to_owned();
         }
         let robots: Vec<_> = assignment.robots.iter().map(String::as_str).collect();
-        let client = Client::from_channel(channel.clone()).brain(catalogue::shown_name(&assignment.brain));
+        let client = Client::from_channel(Channel::to(services.clone()))
+            .brain(catalogue::shown_name(&assignment.brain));
         // No brain of the catalogue says how long it thought.
         let fleet = client.thinks_as_scenario().attach_many(&assignment.world, &robots).await?;
         if let Some(text) = &assignment.text {
@@ -59,9 +59,10 @@ impl Driver {
             // read this one, as that of another brain may be written then.
             fs::write(OWN, text)?;
         }
-        let make = |body| catalogue::brain(&assignment.brain, assignment.seed, body);
+        let seed = services.seed(&assignment.world).await.map_err(Error::from)?;
+        let make = |body| catalogue::brain(&assignment.brain, seed, body);
         let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
-        Ok(Self { channel, assignment, fleet, brains })
+        Ok(Self { services, assignment, fleet, brains })
     }
 
     /// Drives until the stream is closed, over the ends of runs. Brains that the operator restarts are made again.
@@ -72,7 +73,7 @@ impl Driver {
         while !self.fleet.is_closed() {
             match run_fleet(&mut self.fleet, &mut self.brains).await {
                 Ok(_) => {}
-                Err(Error::Restart) => self = Self::attach(self.channel, self.assignment).await?,
+                Err(Error::Restart) => self = Self::attach(self.services, self.assignment).await?,
                 Err(error) => return Err(error.into()),
             }
         }
@@ -101,7 +102,3 @@ impl Assignment {
 
 /// The file of a brain that is typed into the page.
 const OWN: &str = "brain.toml";
-
-fn first_seed() -> u64 {
-    1
-}

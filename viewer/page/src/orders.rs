@@ -4,9 +4,9 @@
 //! `{"over": {"world": …, "robots": […], "brain": …, "error": …}}`.
 
 use baudbot_brains::catalogue;
-use baudbot_client::Channel;
 use baudbot_import::embedded;
 use baudbot_import::source::Source;
+use baudbot_server::Services;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -35,12 +35,12 @@ enum Order {
 }
 
 /// Carries out an order. Answers go to `tell`, now and later.
-pub async fn carry_out(order: &[u8], channel: Channel, tell: impl Fn(Value)) {
+pub async fn carry_out(order: &[u8], services: Services, tell: impl Fn(Value)) {
     let Numbered { id, order } = match serde_json::from_slice(order) {
         Ok(order) => order,
         Err(error) => return tell(json!({ "id": 0, "error": format!("order: {error}") })),
     };
-    match answer(order, channel).await {
+    match answer(order, services).await {
         Ok(Answer::Value(result)) => tell(json!({ "id": id, "result": result })),
         Ok(Answer::Drives(driver)) => {
             let assignment = driver.assignment().clone();
@@ -60,7 +60,7 @@ enum Answer {
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
-async fn answer(order: Order, channel: Channel) -> Result<Answer, AnyError> {
+async fn answer(order: Order, services: Services) -> Result<Answer, AnyError> {
     Ok(match order {
         Order::Catalogue {} => Answer::Value(catalogue()),
         Order::Scenario(name) => {
@@ -68,7 +68,7 @@ async fn answer(order: Order, channel: Channel) -> Result<Answer, AnyError> {
             Answer::Value(Source::find(&name)?.text.into())
         }
         Order::Brain(name) => Answer::Value(catalogue::described(&name)?.into()),
-        Order::Attach(assignment) => Answer::Drives(Box::new(Driver::attach(channel, assignment).await?)),
+        Order::Attach(assignment) => Answer::Drives(Box::new(Driver::attach(services, assignment).await?)),
     })
 }
 

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use baudbot_client::Channel;
 use baudbot_server::{Embedded, Limit, Limits};
 use bytes::Bytes;
 use serde_json::Value;
@@ -52,9 +51,9 @@ impl Page {
     /// Takes a message that has come through a port: an order, or one of `page.proto`. The first one opens the port.
     pub fn take(&mut self, port: u32, message: Bytes) {
         if port == ORDERS {
-            let (channel, outbox) = (Channel::to(self.server.services()), self.outbox.clone());
+            let (services, outbox) = (self.server.services(), self.outbox.clone());
             let tell = move |value: Value| outbox.put(ORDERS, value.to_string().into());
-            self.runtime.spawn(async move { orders::carry_out(&message, channel, tell).await });
+            self.runtime.spawn(async move { orders::carry_out(&message, services, tell).await });
             return;
         }
         let _inside = self.runtime.enter();

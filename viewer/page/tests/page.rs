@@ -6,6 +6,9 @@ use baudbot_page::page::{ORDERS, Page};
 use baudbot_proto::v1;
 use baudbot_proto::v1::page_request::Request;
 use baudbot_proto::v1::page_response::Response;
+use baudbot_run::assignment::assign;
+use baudbot_run::in_process;
+use baudbot_scenario::Override;
 use prost::Message;
 use tempfile::TempDir;
 
@@ -64,10 +67,16 @@ impl Asks {
 
     /// Makes the main job's world.
     fn wander(&mut self) -> v1::WorldStatus {
+        self.wander_with(&[])
+    }
+
+    /// The same with these overrides.
+    fn wander_with(&mut self, overrides: &[&str]) -> v1::WorldStatus {
+        let overrides = ["end.after_s=60.0"].iter().chain(overrides);
         let kind = v1::pace::Kind::Lockstep(v1::Lockstep::default());
         let request = v1::CreateWorldRequest {
             scenario_toml: include_str!("../../../catalogue/scenarios/wander.toml").to_owned(),
-            overrides: vec!["end.after_s=60.0".to_owned()],
+            overrides: overrides.map(|&change| change.to_owned()).collect(),
             pace: Some(v1::Pace { kind: Some(kind) }),
             paused: true,
             ..v1::CreateWorldRequest::default()
@@ -106,6 +115,22 @@ fn the_main_job_has_the_hash_of_the_readme_and_its_recording_replays_to_it() {
     let recording = closed.recording.unwrap();
     assert!(recording.bytes > 10_000, "{recording:?}");
     assert!(asks.folder.path().join("wander-1.mcap").is_file());
+}
+
+/// `avoid` draws random numbers: with its own seed it would drive another way than in the program.
+#[test]
+fn another_seed_has_the_hash_that_the_program_has() {
+    let mut asks = Asks::new();
+    let seed = "seed=10";
+    assert_eq!(asks.wander_with(&[seed]).seed, 10);
+    asks.order(r#"{"attach":{"world":"wander","robots":["robot"],"brain":"avoid"}}"#);
+    let status = asks.run_to_the_end();
+    let text = include_str!("../../../catalogue/scenarios/wander.toml");
+    let changes = ["end.after_s=60.0", seed].map(|change| Override::parse(change).unwrap());
+    let scenario = baudbot_scenario::parse_with(text, &changes).unwrap();
+    let brains = assign(&["avoid".to_owned()], &scenario.robots).unwrap().brains;
+    let world = in_process::run(scenario, &brains, |_| {}).unwrap();
+    assert_eq!(status.state_hash, world.hash());
 }
 
 #[test]

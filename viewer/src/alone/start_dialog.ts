@@ -33,6 +33,8 @@ export class StartDialog {
     test: "seconds",
     attributes: { min: "0.01", step: "any", placeholder: "the scenario's" },
   });
+  /** Whether the user has said how long the run is. */
+  private secondsAreOwn = false;
   private readonly records = el("input", { type: "checkbox", test: "records" });
   private readonly save: HTMLButtonElement;
   private readonly presets = el("ul", { class: "presets", label: "Presets", attributes: { tabindex: "0" } });
@@ -68,7 +70,11 @@ export class StartDialog {
     );
     this.pace.append(...PACES.map(([value, text]) => el("option", { value, text })));
     this.scenario.addEventListener("change", () => void this.chosen());
-    this.toml.addEventListener("input", () => this.budget.clear());
+    this.toml.addEventListener("input", () => {
+      this.proposeSeconds();
+      this.budget.clear();
+    });
+    this.seconds.addEventListener("input", () => (this.secondsAreOwn = true));
     this.element = el(
       "dialog",
       { class: "start", label: "Run a scenario", test: "start" },
@@ -161,9 +167,15 @@ export class StartDialog {
     const { value } = this.scenario;
     setText(this.about, this.catalogue.scenarios.find(({ name }) => name === value)?.about ?? "");
     this.toml.value = await this.host.scenario(value);
-    // What does not end by itself ends after a minute, as with `baudbot run`.
-    this.seconds.value = /^\s*(\[end\]|end\b)/m.test(this.toml.value) ? "" : String(USUAL_S);
+    this.secondsAreOwn = false;
+    this.proposeSeconds();
     this.budget.clear();
+  }
+
+  /** What does not end by itself ends after a minute, as with `baudbot run`, unless the user has said when. */
+  private proposeSeconds(): void {
+    if (this.secondsAreOwn) return;
+    this.seconds.value = /^\s*(\[end\]|end\b)/m.test(this.toml.value) ? "" : String(USUAL_S);
   }
 }
 

@@ -360,6 +360,7 @@ class WorldStatus(_message.Message):
     REPLAY_FIELD_NUMBER: _builtins.int
     RECORDING_FIELD_NUMBER: _builtins.int
     ENDING_KIND_FIELD_NUMBER: _builtins.int
+    SEED_FIELD_NUMBER: _builtins.int
     world: _builtins.str
     """Name of the world on its server."""
     scenario: _builtins.str
@@ -382,6 +383,8 @@ class WorldStatus(_message.Message):
     """Reason why the run ended, as text for people. Empty while it has not ended."""
     ending_kind: Global___EndingKind.ValueType
     """Reason why the run ended. Unspecified while it has not ended."""
+    seed: _builtins.int
+    """Seed of all random streams of the run."""
     @_builtins.property
     def pace(self) -> Global___Pace:
         """Current pace of the world."""
@@ -430,10 +433,11 @@ class WorldStatus(_message.Message):
         replay: Global___ReplayStatus | None = ...,
         recording: Global___RecordingStatus | None = ...,
         ending_kind: Global___EndingKind.ValueType = ...,
+        seed: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["pace", b"pace", "pacing", b"pacing", "recording", b"recording", "replay", b"replay", "score", b"score"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["ending", b"ending", "ending_kind", b"ending_kind", "movers", b"movers", "pace", b"pace", "pacing", b"pacing", "recording", b"recording", "replay", b"replay", "robots", b"robots", "running_wall_ns", b"running_wall_ns", "scenario", b"scenario", "score", b"score", "state", b"state", "state_hash", b"state_hash", "step_ns", b"step_ns", "tick", b"tick", "time_ns", b"time_ns", "world", b"world"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["ending", b"ending", "ending_kind", b"ending_kind", "movers", b"movers", "pace", b"pace", "pacing", b"pacing", "recording", b"recording", "replay", b"replay", "robots", b"robots", "running_wall_ns", b"running_wall_ns", "scenario", b"scenario", "score", b"score", "seed", b"seed", "state", b"state", "state_hash", b"state_hash", "step_ns", b"step_ns", "tick", b"tick", "time_ns", b"time_ns", "world", b"world"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
