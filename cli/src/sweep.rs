@@ -79,7 +79,8 @@ fn look(
     field: &str,
     stop: &AtomicBool,
 ) -> anyhow::Result<ExitCode> {
-    let workers = Workers { place: work::place(args), jobs: work::jobs(args), name: unique_name("find") };
+    let workers =
+        Workers::new(work::place(args), work::jobs(args), unique_name("find"), work::brain_timeout(args));
     let quiet = args.quiet || args.json || !std::io::stderr().is_terminal();
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     let told = |value: &str| {

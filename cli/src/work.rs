@@ -51,8 +51,23 @@ pub(crate) fn options<'a>(
     progress: &'a (dyn Fn(u64, u64) + Sync),
     tell: &'a (dyn Fn(&Told) + Sync),
 ) -> Options<'a> {
-    let (place, jobs) = (place(args), jobs(args));
-    Options { out, fresh: args.fresh, shard, place, jobs, confirmed: args.yes, stop, progress, tell }
+    let (place, jobs, brain_timeout) = (place(args), jobs(args), brain_timeout(args));
+    Options {
+        out,
+        fresh: args.fresh,
+        shard,
+        place,
+        jobs,
+        brain_timeout,
+        confirmed: args.yes,
+        stop,
+        progress,
+        tell,
+    }
+}
+
+pub(crate) fn brain_timeout(args: &WorkArgs) -> Duration {
+    Duration::from_secs_f64(args.brain_timeout)
 }
 
 pub(crate) fn place(args: &WorkArgs) -> Place {

@@ -10,8 +10,8 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use baudbot_experiment::{
-    Error, Experiment, Limit, Merged, Missing, Options, Packed, Place, ReadError, Seeds, Shard, ShardError,
-    trial,
+    BRAIN_TIMEOUT, Error, Experiment, Limit, Merged, Missing, Options, Packed, Place, ReadError, Seeds,
+    Shard, ShardError, trial,
 };
 use pyo3::prelude::*;
 
@@ -265,6 +265,7 @@ impl Watched {
             fresh: asked.fresh,
             place: Place::Here,
             jobs: asked.jobs,
+            brain_timeout: BRAIN_TIMEOUT,
             confirmed: true,
             shard: asked.shard,
             stop: &self.stop,

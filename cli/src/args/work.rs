@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use baudbot_experiment::Shard;
+use baudbot_experiment::{BRAIN_TIMEOUT, Shard};
 use clap::Args;
 
-use super::value::{wall_time, whole};
+use super::value::{patience, wall_time, whole};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
@@ -48,6 +48,8 @@ pub(crate) struct WorstArgs {
     #[arg(long, value_name = "N", value_parser = whole(1_u64..=10_000_000))]
     pub(crate) runs: Option<u64>,
     /// Begin no more runs after this wall-clock time, such as 90s, 5m or 1h
+    ///
+    /// Once a run has failed half of it is for the search, and half for leaving out of that run whatever does not matter.
     #[arg(long, value_name = "TIME", value_parser = wall_time)]
     pub(crate) within: Option<Duration>,
     /// End the search as soon as a run fails
@@ -77,6 +79,9 @@ pub(crate) struct WorkArgs {
     /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) connect: Option<String>,
+    /// Give up a run in which a brain that is a program does not answer within this wall-clock time
+    #[arg(long, value_name = "S", value_parser = patience, default_value_t = BRAIN_TIMEOUT.as_secs_f64())]
+    pub(crate) brain_timeout: f64,
     /// Seeds in place of the file's: N (1 to N), A..B (inclusive) or A,B,C
     #[arg(long, value_name = "SEEDS")]
     pub(crate) seeds: Option<String>,

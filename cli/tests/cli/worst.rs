@@ -188,6 +188,26 @@ fn a_program_that_ends_too_soon_is_no_success() {
     assert!(code == 1 && told["failed"].as_u64() > Some(0) && told["runs"].as_u64() < Some(500), "{told}");
 }
 
+/// A run of half a million ticks, in whose midst the program is halted.
+#[test]
+fn a_program_that_does_not_answer_fails_its_run_and_holds_up_nothing() {
+    let script =
+        format!("'{}' brain avoid & sleep 2; kill -STOP $!; wait; exit", env!("CARGO_BIN_EXE_baudbot"));
+    let long = NEAR
+        .replace("seconds = 10.0", "seconds = 5000.0")
+        .replace("[1200]", "[9600]")
+        .replace("> 0.1\"", "> -1\"");
+    let (file, out) = with_script("silent", &long, &script);
+    let limits = ["--runs", "2", "--jobs", "2", "--brain-timeout", "1"];
+    let (code, told, err) = baudbot(&[&["worst", &file, "--out", &out][..], &limits].concat());
+    assert_eq!(code, 2, "{told}{err}");
+    assert!(
+        err.contains("none of 2 runs could be done: run 0: at t = ")
+            && err.contains("no answer of a brain has come within the 1 s of --brain-timeout"),
+        "{err}"
+    );
+}
+
 #[test]
 fn what_cannot_be_required_is_refused() {
     let run = |rule: &str| baudbot(&["run", "wander", "--seconds", "1", "--quiet", "--require", rule]);

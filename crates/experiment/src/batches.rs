@@ -17,7 +17,7 @@ pub(crate) struct Batches<'a> {
     options: &'a Options<'a>,
     pub(crate) journal: &'a mut Journal,
     pub(crate) rows: BTreeMap<u64, Row>,
-    name: String,
+    pub(crate) workers: Workers,
 }
 
 impl<'a> Batches<'a> {
@@ -29,14 +29,19 @@ impl<'a> Batches<'a> {
         journal: &'a mut Journal,
     ) -> Result<Self, Error> {
         let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
-        let name = sweep::world_name(folder.id(), options.out);
-        Ok(Self { experiment, options, journal, rows, name })
+        let workers = options.workers(sweep::world_name(folder.id(), options.out));
+        Ok(Self { experiment, options, journal, rows, workers })
     }
 
     /// Does those runs of a batch that are missing, of so many that there may be. Returns how long they took, one after the other, and
     /// how many they were.
     pub(crate) fn run(&mut self, tasks: Vec<Task>, most: u64) -> Result<(Duration, u64), Error> {
         self.run_while(tasks, most, |_| {}, || true)
+    }
+
+    /// There are no more runs.
+    pub(crate) fn finish(&self) -> Result<(), Error> {
+        self.workers.finish(self.experiment)
     }
 
     /// The same with a look at each row as it comes, and as long as others are to begin. Runs begin in their order, and those that have
@@ -52,9 +57,8 @@ impl<'a> Batches<'a> {
         let (mut time, mut count) = (Duration::ZERO, 0);
         let options = self.options;
         (options.progress)(self.rows.len() as u64, most);
-        let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
         let (journal, rows) = (&mut *self.journal, &mut self.rows);
-        let worked = workers.work(
+        let worked = self.workers.work(
             self.experiment,
             missing.into_iter().take_while(|_| goes_on()),
             options.stop,

@@ -82,6 +82,7 @@ pub fn find(
             None => return Ok(None),
         }
     }
+    workers.finish(experiment)?;
     Ok(Some(limits))
 }
 
@@ -209,7 +210,7 @@ impl Search<'_> {
     fn pilot(&self, searches: u64) -> Result<(), Error> {
         let line = Line::new(self.experiment, self.place)?;
         // The seeds of one value are run at a time.
-        let jobs = self.experiment.seeds.count().min(self.workers.jobs as u64);
+        let jobs = self.experiment.seeds.count().min(self.workers.jobs() as u64);
         let runs = searches.saturating_mul(line.most_probes()).saturating_mul(self.experiment.seeds.count());
         let easiest = line.level(line.ends().1);
         let mut time = Duration::ZERO;

@@ -83,7 +83,7 @@ pub use local_runner::run;
 pub use merge::{Merged, Missing, MissingShard, merge};
 pub use packed::Packed;
 pub use paired::Comparison;
-pub use pool::{Place, Workers};
+pub use pool::{BRAIN_TIMEOUT, Place, Workers};
 pub use raw::{ChartKind, Method, Wants};
 pub use read::ReadError;
 pub use requested_charts::Chart;

@@ -1,7 +1,7 @@
 //! Runs on all cores: threads that take the next run from a queue until it is empty, or they are stopped.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError, mpsc};
+use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -21,19 +21,39 @@ pub enum Place {
     Server(String),
 }
 
-/// The workers that do the runs.
-#[derive(Clone, Debug, PartialEq)]
+/// The workers that do the runs. What they need for programs is kept from one batch of runs to the next, until they are dropped: a
+/// server, connections to it, and processes that do many runs.
 pub struct Workers {
-    /// The place.
-    pub place: Place,
-    /// The number of simultaneous runs; at least 1.
-    pub jobs: usize,
-    /// The name of worlds on a server, before the number of the run. No other client may use it, as worlds of this name
-    /// are deleted: see [`unique_name`](crate::unique_name).
-    pub name: String,
+    place: Place,
+    jobs: usize,
+    /// The name of worlds on a server, before the number of the run.
+    name: String,
+    /// The time by the wall clock in which a program has to answer.
+    brain_timeout: Duration,
+    /// Those that nobody uses now.
+    idle: Mutex<Vec<Remote>>,
+    /// Here, and so dropped last: the connections are to it.
+    private: Mutex<Option<PrivateServer>>,
 }
 
 impl Workers {
+    /// Workers for so many simultaneous runs, at least 1. No other client may use the name, as worlds of this name are deleted: see
+    /// [`unique_name`](crate::unique_name). A run whose program does not answer for `brain_timeout` is given up.
+    pub fn new(place: Place, jobs: usize, name: String, brain_timeout: Duration) -> Self {
+        Self {
+            place,
+            jobs: jobs.max(1),
+            name,
+            brain_timeout,
+            idle: Mutex::default(),
+            private: Mutex::default(),
+        }
+    }
+
+    pub(crate) fn jobs(&self) -> usize {
+        self.jobs
+    }
+
     /// Does the tasks and hands out each row as it comes, with the wall-clock time that it took. Runs that have begun
     /// when `stop` is set are done to their end.
     pub(crate) fn work(
@@ -44,15 +64,6 @@ impl Workers {
         mut each: impl FnMut(Row, Duration) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.refuse_unseen(experiment)?;
-        // A program attaches to a server, and to a private one if the user names none.
-        let private = match self.place {
-            Place::Here if experiment.has_programs() => Some(PrivateServer::start([])?),
-            Place::Here | Place::Server(_) => None,
-        };
-        let host = private.as_ref().map(Host::Private).or(match &self.place {
-            Place::Here => None,
-            Place::Server(address) => Some(Host::Address(address)),
-        });
         let (queue, halt) = (Mutex::new(tasks), AtomicBool::new(false));
         let is_over = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
         let next = || {
@@ -62,9 +73,9 @@ impl Workers {
         };
         let (send, receive) = mpsc::sync_channel(2 * self.jobs);
         thread::scope(|scope| {
-            for _ in 0..self.jobs.max(1) {
+            for _ in 0..self.jobs {
                 let (send, next) = (send.clone(), &next);
-                scope.spawn(move || self.work_alone(experiment, host, next, &send));
+                scope.spawn(move || self.work_alone(experiment, next, &send));
             }
             drop(send);
             let (mut outcome, mut is_kept) = (Ok(()), true);
@@ -94,35 +105,62 @@ impl Workers {
     }
 
     /// One thread's work.
-    fn work_alone(
-        &self,
-        experiment: &Experiment,
-        host: Option<Host<'_>>,
-        next: &impl Fn() -> Option<Task>,
-        send: &Answers,
-    ) {
-        let mut remote = None;
-        if let Some(host) = host {
-            match Remote::connect(host, &self.name) {
-                Ok(connected) => remote = Some(connected),
-                Err(error) => return drop(send.send(Err(error))),
-            }
-        }
+    fn work_alone(&self, experiment: &Experiment, next: &impl Fn() -> Option<Task>, send: &Answers) {
         while let Some(task) = next() {
             let start = Instant::now();
-            let row = match &remote {
-                None => Ok(local_runner::run(experiment, &task)),
-                Some(remote) => remote.run(experiment, &task),
-            };
+            let row = self.run(experiment, &task);
             let failed = row.is_err();
             if send.send(row.map(|row| (row, start.elapsed()))).is_err() || failed {
                 return;
             }
         }
-        if let Some(Err(error)) = remote.map(|remote| remote.check_last(experiment)) {
-            let _ = send.send(Err(error));
+    }
+
+    /// Does a run.
+    ///
+    /// # Errors
+    /// If a server has failed, or a process that has done other runs does not do this one as a new one does it.
+    pub(crate) fn run(&self, experiment: &Experiment, task: &Task) -> Result<Row, Error> {
+        let Some(remote) = self.remote(experiment)? else { return Ok(local_runner::run(experiment, task)) };
+        let row = remote.run(experiment, task)?;
+        self.idle().push(remote);
+        Ok(row)
+    }
+
+    /// There are no more runs of this experiment.
+    ///
+    /// # Errors
+    /// If a process has gathered something in its runs that shows in the last.
+    pub(crate) fn finish(&self, experiment: &Experiment) -> Result<(), Error> {
+        self.idle().iter().try_for_each(|remote| remote.check_last(experiment))
+    }
+
+    /// A connection to the server that runs are on; `None` if they need none.
+    fn remote(&self, experiment: &Experiment) -> Result<Option<Remote>, Error> {
+        // A program attaches to a server, and to a private one if the user names none.
+        if self.place == Place::Here && !experiment.has_programs() {
+            return Ok(None);
         }
+        if let Some(remote) = self.idle().pop() {
+            return Ok(Some(remote));
+        }
+        let mut private = self.private.lock().unwrap_or_else(PoisonError::into_inner);
+        let host = match &self.place {
+            Place::Server(address) => Host::Address(address),
+            Place::Here => Host::Private(match &mut *private {
+                Some(server) => server,
+                none => none.insert(PrivateServer::start([])?),
+            }),
+        };
+        Remote::connect(host, &self.name, Some(self.brain_timeout)).map(Some)
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<Remote>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
+
+/// The time by the wall clock in which a program has to answer, unless the user says another.
+pub const BRAIN_TIMEOUT: Duration = Duration::from_secs(60);
 
 type Answers = mpsc::SyncSender<Result<(Row, Duration), Error>>;

@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::sync::{Arc, Weak};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use baudbot_client::{Channel, Client, connect};
 use baudbot_proto::v1;
@@ -29,6 +29,8 @@ pub(crate) struct Remote {
     /// The server's address, for programs that attach to it.
     address: String,
     name: String,
+    /// The time by the wall clock in which a program has to answer; `None`: somebody else looks to that.
+    brain_timeout: Option<Duration>,
     /// The server, if it is in this process.
     private: Option<Weak<Server>>,
     /// Programs that have done a run and wait for another.
@@ -78,7 +80,11 @@ impl Host<'_> {
 }
 
 impl Remote {
-    pub(crate) fn connect(host: Host<'_>, name: &str) -> Result<Self, Error> {
+    pub(crate) fn connect(
+        host: Host<'_>,
+        name: &str,
+        brain_timeout: Option<Duration>,
+    ) -> Result<Self, Error> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| Error::Server(error.to_string()))?;
         let client = runtime.block_on(host.operator())?;
@@ -87,6 +93,7 @@ impl Remote {
             client,
             address: host.brains().to_owned(),
             name: name.to_owned(),
+            brain_timeout,
             private: host.private(),
             idle: Cell::default(),
             unchecked: RefCell::default(),
@@ -201,8 +208,7 @@ impl Remote {
         world: &str,
         setup: Setup,
     ) -> Result<Done, Failure> {
-        let seed = setup.scenario.seed;
-        let wanted = setup.assigned.clone();
+        let (seed, wanted) = (setup.scenario.seed, setup.assigned.clone());
         let attached = self.attach(world, setup.assigned.brains, seed).await?;
         let programs = &setup.assigned.programs;
         let mut crew = self
@@ -216,7 +222,7 @@ impl Remote {
             // Brains hold their robots until all is over.
             driving.spawn(async move { brains.run().await.map(|_| brains) });
         }
-        let mut over = control.clone();
+        let (mut over, looks) = (control.clone(), control.clone());
         // A world whose program has gone waits for brains; that the program has gone is soon known.
         let may_wait = !setup.assigned.programs.is_empty();
         let status = tokio::select! {
@@ -235,6 +241,7 @@ impl Remote {
                 }
                 status
             }
+            failure = silence(looks, world, self.brain_timeout.filter(|_| may_wait)) => return Err(failure),
         };
         let earlier_runs = crew.earlier_runs();
         self.with_idle(async |idle| crew.release(idle).await).await?;
@@ -333,6 +340,33 @@ async fn ended(
     }
 }
 
+/// Waits until a world has not gone on for as long as its brains have to answer.
+async fn silence(
+    mut control: ControlServiceClient<Channel>,
+    world: &str,
+    limit: Option<Duration>,
+) -> Failure {
+    let Some(limit) = limit else { return std::future::pending().await };
+    let (mut tick, mut since) = (0, Instant::now());
+    loop {
+        tokio::time::sleep(limit.min(SILENCE_LOOK)).await;
+        let status = match status_of(&mut control, world).await {
+            Ok(status) => status,
+            Err(failure) => return failure,
+        };
+        if status.tick != tick {
+            (tick, since) = (status.tick, Instant::now());
+        } else if since.elapsed() >= limit {
+            return Failure::Run(format!(
+                "at t = {} s no answer of a brain has come within the {} s of --brain-timeout; look for an endless loop, or for a wait that \
+                 never ends",
+                status.time_ns as f64 / 1e9,
+                limit.as_secs_f64()
+            ));
+        }
+    }
+}
+
 async fn status_of(
     control: &mut ControlServiceClient<Channel>,
     world: &str,
@@ -355,5 +389,8 @@ const MAX_MESSAGE_BYTES: usize = 64 << 20;
 
 /// One in so many runs of a process that has done others is done again by a new process, the first of them and the last, too.
 const CHECKED: u64 = 20;
+
+/// The interval at which it is checked whether a world goes on.
+const SILENCE_LOOK: Duration = Duration::from_millis(500);
 
 const LONGEST_PAUSE: Duration = Duration::from_millis(100);

@@ -86,7 +86,7 @@ impl<T: Send + 'static> Served<T> {
         let world = WorldConfig::from_state(WORLD, world).pace(Pace::Lockstep(Lockstep::default()));
         let server = PrivateServer::start([world.paused(true).on_belief(on_belief).on_tick(on_tick)])?;
         let run = thread.spawn(move || {
-            let remote = Remote::connect(Host::Private(&server), WORLD)?;
+            let remote = Remote::connect(Host::Private(&server), WORLD, None)?;
             remote.run_world(WORLD, Setup { scenario, assigned }, stopped)
         });
         Ok(Self { seen: Some(seen), stop: Some(stop), run: Some(run.map_err(no_thread)?) })

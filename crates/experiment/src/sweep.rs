@@ -32,6 +32,8 @@ pub struct Options<'a> {
     pub place: Place,
     /// The number of simultaneous runs.
     pub jobs: usize,
+    /// The time by the wall clock in which a program has to answer, or its run is given up.
+    pub brain_timeout: Duration,
     /// A sweep that takes long is wanted all the same.
     pub confirmed: bool,
     /// Once it is set the sweep ends after the present runs.
@@ -43,6 +45,11 @@ pub struct Options<'a> {
 }
 
 impl Options<'_> {
+    /// The workers for worlds of this name.
+    pub(crate) fn workers(&self, name: String) -> Workers {
+        Workers::new(self.place.clone(), self.jobs, name, self.brain_timeout)
+    }
+
     /// Reports that something may be wrong.
     pub(crate) fn warn(&self, text: &str) {
         (self.tell)(&Told::Warning(text.to_owned()));
@@ -79,10 +86,10 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
         Header::new(&experiment.name, fingerprint(experiment), build(), total).of_shard(options.shard);
     let mut journal = begin_journal(&folder, &header, options)?;
     let resumed = journal.done();
-    let name = world_name(folder.id(), options.out);
+    let workers = options.workers(world_name(folder.id(), options.out));
     let shard = options.shard.unwrap_or(Shard::WHOLE);
     resumed::tell(experiment, &journal, Some(shard.len(total)), options.tell);
-    let mut runner = Runner { experiment, options, journal: &mut journal, total, shard, name };
+    let mut runner = Runner { experiment, options, journal: &mut journal, total, shard, workers };
     if !options.confirmed {
         let pilot = runner.pilot();
         if pilot.is_err() {
@@ -145,7 +152,7 @@ struct Runner<'a> {
     /// The number of all runs of the experiment.
     total: u64,
     shard: Shard,
-    name: String,
+    workers: Workers,
 }
 
 impl Runner<'_> {
@@ -169,7 +176,8 @@ impl Runner<'_> {
     }
 
     fn rest(&mut self) -> Result<(), Error> {
-        self.work(u64::MAX).map(|_| ())
+        self.work(u64::MAX)?;
+        self.workers.finish(self.experiment)
     }
 
     /// Does the missing runs, so many at most; the time that they took, one after the other.
@@ -184,8 +192,7 @@ impl Runner<'_> {
         let tasks = missing.map(|run| experiment.task(run));
         let mut time = Duration::ZERO;
         (options.progress)(done.len() as u64, total);
-        let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
-        let worked = workers.work(experiment, tasks, options.stop, |row, took| {
+        let worked = self.workers.work(experiment, tasks, options.stop, |row, took| {
             time += took;
             self.journal.append(&row)?;
             (options.progress)(self.journal.done(), total);

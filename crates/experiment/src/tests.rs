@@ -11,7 +11,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::find::find;
 use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
-use crate::{Error, Experiment, Options, Place, Row, RunError, Swept, Told, Workers, check, sweep};
+use crate::{
+    BRAIN_TIMEOUT, Error, Experiment, Options, Place, Row, RunError, Swept, Told, Workers, check, sweep,
+};
 
 const ROOM: &str = r#"
 name = "room"
@@ -70,6 +72,7 @@ fn options(out: &Path) -> Options<'_> {
         shard: None,
         place: Place::Here,
         jobs: 2,
+        brain_timeout: BRAIN_TIMEOUT,
         confirmed: true,
         stop: &GO_ON,
         progress: &|_, _| {},
@@ -383,7 +386,7 @@ fn a_limit_is_found_by_bisection_and_its_neighbours_are_looked_at() {
         [[fields]]\nlabel = \"speed\"\nlevels = [{ name = \"slow\", set = [\"brain.left=0.2\", \"brain.right=0.2\"] }]\n\
         [success]\ncollisions_at_most = 0\n[find]\nwants = \"highest\"\n";
     let experiment = experiment(values).unwrap();
-    let workers = Workers { place: Place::Here, jobs: 2, name: "find".into() };
+    let workers = Workers::new(Place::Here, 2, "find".into(), BRAIN_TIMEOUT);
     let limits = find(&experiment, "x", &workers, false, &AtomicBool::new(false), &|_| {}).unwrap().unwrap();
     let [limit] = &limits[..] else { panic!("{limits:?}") };
     let text = limit.text(&experiment, "x");
@@ -557,7 +560,7 @@ fn a_search_that_takes_long_must_be_meant() {
     let toml = "brain = \"constant\"\nseconds = 0.1\nseeds = 3000\n[success]\ncollisions_at_most = 0\n\
         [[fields]]\nfield = \"brain.left\"\nlabel = \"left\"\nvalues = [0.1, 0.2, 0.3, 0.4]\n";
     let mut experiment = experiment(toml).unwrap();
-    let workers = Workers { place: Place::Here, jobs: 2, name: "find".into() };
+    let workers = Workers::new(Place::Here, 2, "find".into(), BRAIN_TIMEOUT);
     let look = |experiment: &Experiment, confirmed| {
         find(experiment, "left", &workers, confirmed, &AtomicBool::new(false), &|_| {})
     };

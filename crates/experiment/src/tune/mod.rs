@@ -77,6 +77,7 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
     if !tuned.interrupted {
         tuner.compare(&mut tuned)?;
     }
+    tuner.batches.finish()?;
     if !tuned.interrupted {
         tuned.write(experiment, &folder)?;
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::{Tuned, tune};
-use crate::{Error, Experiment, Options, Place, Told};
+use crate::{BRAIN_TIMEOUT, Error, Experiment, Options, Place, Told};
 
 const ROOM: &str = r#"
 name = "room"
@@ -73,8 +73,10 @@ fn run_and_tell(
     };
     let (place, fresh, confirmed) = (Place::Here, false, true);
     let experiment = experiment(toml)?;
-    let (stop, progress) = (&stop, &progress);
-    tune(&experiment, &Options { out, fresh, shard: None, place, jobs, confirmed, stop, progress, tell })
+    let (stop, progress, brain_timeout) = (&stop, &progress, BRAIN_TIMEOUT);
+    let options =
+        Options { out, fresh, shard: None, place, jobs, brain_timeout, confirmed, stop, progress, tell };
+    tune(&experiment, &options)
 }
 
 fn run(toml: &str, name: &str) -> Tuned {
@@ -235,8 +237,19 @@ fn the_way_to_a_goal_can_be_made_short() {
     let (out, stop) = (folder("goal"), AtomicBool::new(false));
     let (place, fresh, confirmed) = (Place::Here, false, true);
     let (progress, tell) = (&|_, _| {}, &|_: &Told| {});
-    let options =
-        Options { out: &out, fresh, shard: None, place, jobs: 2, confirmed, stop: &stop, progress, tell };
+    let (stop, jobs, brain_timeout) = (&stop, 2, BRAIN_TIMEOUT);
+    let options = Options {
+        out: &out,
+        fresh,
+        shard: None,
+        place,
+        jobs,
+        brain_timeout,
+        confirmed,
+        stop,
+        progress,
+        tell,
+    };
     let tuned = tune(&experiment, &options).unwrap();
     assert_eq!(tuned.untuned.as_ref().unwrap().outcome.score(), None, "it stands");
     assert!(

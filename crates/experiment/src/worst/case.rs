@@ -1,7 +1,8 @@
 //! A case: a scenario with its brains in which a requirement falls, or is kept least.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use super::Worst;
 use super::report::Tightness;
@@ -95,7 +96,7 @@ pub(super) fn worst_case(
     experiment: &Experiment,
     worst: &Worst,
     options: &Options<'_>,
-    name: &str,
+    by: Trials<'_>,
 ) -> Result<Option<Case>, Error> {
     let Some(tried) = worst.worst.first() else { return Ok(None) };
     let RunOptions { brains, parameters, sets } = RunOptions::new(experiment, &tried.task.cell.levels);
@@ -103,9 +104,9 @@ pub(super) fn worst_case(
         experiment.text.parse().map_err(|error: toml_edit::TomlError| Error::Syntax(error.to_string()))?;
     let seconds = experiment.seconds.map(|seconds| format!("end.after_s={seconds:?}"));
     let sets = seconds.into_iter().chain(sets).chain([format!("seed={}", tried.task.seed)]).collect();
-    let court = Court { experiment, options, name, brains, parameters };
+    let court = Court { experiment, options, by, brains, parameters };
     let mut draft = Draft::new(base, sets);
-    let Some(ran) = court.run(&draft.toml()?)? else { return Ok(None) };
+    let Some(ran) = court.run(&draft.toml()?, 0)? else { return Ok(None) };
     let (mut trials, mut is_plainest) = (1, false);
     let mut ran = ran.map_err(|error| {
         Error::Refused(format!("the worst run, {}, cannot be done again: {error}", tried.task.run))
@@ -129,6 +130,15 @@ pub(super) fn worst_case(
     Ok(Some(Case { trials, is_plainest, ..case }))
 }
 
+/// The means of making a case plain.
+#[derive(Clone, Copy)]
+pub(super) struct Trials<'a> {
+    /// They do its runs.
+    pub(super) workers: &'a Workers,
+    /// No run begins any more then, by the wall clock.
+    pub(super) until: Option<Instant>,
+}
+
 /// The path from the root, as far as the current folder is known.
 fn absolute(path: &Path) -> PathBuf {
     std::env::current_dir().unwrap_or_default().join(path)
@@ -138,7 +148,7 @@ fn absolute(path: &Path) -> PathBuf {
 pub(super) struct Court<'a> {
     experiment: &'a Experiment,
     options: &'a Options<'a>,
-    name: &'a str,
+    by: Trials<'a>,
     brains: Vec<String>,
     parameters: Vec<String>,
 }
@@ -150,7 +160,7 @@ impl Court<'_> {
         let work = || -> Result<Vec<_>, Error> {
             let mut done = Vec::new();
             while let Some((place, text)) = take(&next, texts) {
-                done.push((place, self.run(text)?));
+                done.push((place, self.run(text, place)?));
             }
             Ok(done)
         };
@@ -167,8 +177,8 @@ impl Court<'_> {
         Ok(all.into_iter().collect())
     }
 
-    /// A run of a scenario with the brains of the case; `None` if it was stopped.
-    pub(super) fn run(&self, toml: &str) -> Result<Option<Result<Ran, RunError>>, Error> {
+    /// A run of a scenario with the brains of the case, with a number that no other has at the same time; `None` if it was stopped.
+    pub(super) fn run(&self, toml: &str, number: usize) -> Result<Option<Result<Ran, RunError>>, Error> {
         let mut experiment = self.experiment.clone();
         experiment.seconds = None;
         toml.clone_into(&mut experiment.text);
@@ -181,14 +191,16 @@ impl Court<'_> {
         let settings = parameters.map(parameter).collect();
         let level = Level { name: String::new(), number: None, settings };
         let seed = baudbot_scenario::parse(toml).map_or(1, |scenario| scenario.seed);
-        let task = Task { run: 0, cell: Cell { number: 0, levels: vec![level] }, seed };
-        let workers = Workers { place: self.options.place.clone(), jobs: 1, name: self.name.to_owned() };
-        let mut ran = None;
-        workers.work(&experiment, [task].into_iter(), self.options.stop, |row, _| {
-            ran = Some(row.outcome);
-            Ok(())
-        })?;
-        Ok(ran)
+        let task = Task { run: number as u64, cell: Cell { number: 0, levels: vec![level] }, seed };
+        if self.options.stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        Ok(Some(self.by.workers.run(&experiment, &task)?.outcome))
+    }
+
+    /// Whether no run is to begin any more.
+    pub(super) fn is_over(&self) -> bool {
+        self.by.until.is_some_and(|until| Instant::now() >= until)
     }
 
     fn case(&self, run: u64, draft: &Draft, ran: &Ran) -> Result<Case, Error> {

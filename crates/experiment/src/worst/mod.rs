@@ -21,6 +21,7 @@ use baudbot_run::in_process::InProcess;
 use baudbot_sim::random::Stream;
 
 pub use case::Case;
+use case::Trials;
 pub use report::Tightness;
 pub use splitting::Likelihood;
 pub use trial::trial;
@@ -49,7 +50,8 @@ use splitting::{Approach, Extent, Lineage};
 pub struct Limit {
     /// The number of runs; the same number gives the same runs on any machine. `None` is 1,000, or as many as the time allows.
     pub runs: Option<u64>,
-    /// The time by the wall clock after which no run begins any more.
+    /// The time by the wall clock after which no run begins any more. Once a run has failed, half of it is for the search and half
+    /// to make the case plain.
     pub within: Option<Duration>,
     /// No run begins any more once one has failed.
     pub first: bool,
@@ -117,8 +119,11 @@ pub fn worst(experiment: &Experiment, options: &Options<'_>, limit: Limit) -> Re
     if plan.strategy == Strategy::Splitting {
         return estimated(&plan, options, limit, &folder);
     }
+    let begun = Instant::now();
     let batches = Batches::new(&plan.experiment, options, &folder, &mut journal)?;
-    let mut worst = Hunter { plan: &plan, options, limit, batches }.search()?;
+    let mut hunter = Hunter { plan: &plan, options, limit, begun, batches };
+    let mut worst = hunter.search()?;
+    hunter.batches.finish()?;
     if worst.interrupted || options.shard.is_some() {
         return Ok(worst);
     }
@@ -127,8 +132,9 @@ pub fn worst(experiment: &Experiment, options: &Options<'_>, limit: Limit) -> Re
     {
         return Err(Error::Refused(format!("none of {} runs could be done: {error}", worst.runs)));
     }
-    let name = sweep::world_name(folder.id(), options.out);
-    worst.case = case::worst_case(&plan.experiment, &worst, options, &name)?;
+    let extent =
+        Trials { workers: &hunter.batches.workers, until: limit.within.map(|within| begun + within) };
+    worst.case = case::worst_case(&plan.experiment, &worst, options, extent)?;
     worst.interrupted = options.stop.load(Ordering::Relaxed);
     if !worst.interrupted {
         report::write(&mut worst, &plan.experiment, &folder)?;
@@ -257,23 +263,24 @@ struct Hunter<'a> {
     plan: &'a Plan,
     options: &'a Options<'a>,
     limit: Limit,
+    begun: Instant,
     batches: Batches<'a>,
 }
 
 impl Hunter<'_> {
     fn search(&mut self) -> Result<Worst, Error> {
-        let (begun, plan) = (Instant::now(), self.plan);
+        let plan = self.plan;
         let mut search = Search::new(plan.strategy, plan.experiment.hunt.seed, plan.experiment.fields.len());
         let mut worst = Worst::new(plan);
         let (most, mut next) = (self.limit.most().unwrap_or(u64::MAX), 0);
-        while next < most && !self.limit.is_over(begun) {
+        while next < most && !self.limit.is_over(self.begun, worst.fallen > 0) {
             let mut points = search.next()?;
             points.truncate(usize::try_from(most - next).unwrap_or(usize::MAX));
             let tasks: Vec<_> = (next..).zip(&points).map(|(run, point)| plan.task(run, point)).collect();
             let own = self.options.shard.unwrap_or(Shard::WHOLE);
             let tasks: Vec<_> =
                 tasks.into_iter().filter(|task| Shard::of(task.run, own.count()) == own).collect();
-            self.run(tasks.clone(), begun)?;
+            self.run(tasks.clone(), worst.fallen > 0)?;
             next += points.len() as u64;
             let mut costs = Vec::new();
             for task in tasks {
@@ -297,8 +304,8 @@ impl Hunter<'_> {
     }
 
     /// Does a batch, as far as the limit lets it.
-    fn run(&mut self, tasks: Vec<Task>, begun: Instant) -> Result<(), Error> {
-        let (limit, has_fallen) = (self.limit, AtomicBool::new(false));
+    fn run(&mut self, tasks: Vec<Task>, has_fallen: bool) -> Result<(), Error> {
+        let (limit, begun, has_fallen) = (self.limit, self.begun, AtomicBool::new(has_fallen));
         let has_programs = self.plan.experiment.has_programs();
         let look = |row: &Row| {
             let falls = match &row.outcome {
@@ -307,7 +314,10 @@ impl Hunter<'_> {
             };
             has_fallen.fetch_or(falls, Ordering::Relaxed);
         };
-        let goes_on = || !(limit.is_over(begun) || limit.first && has_fallen.load(Ordering::Relaxed));
+        let goes_on = || {
+            let has_fallen = has_fallen.load(Ordering::Relaxed);
+            !(limit.is_over(begun, has_fallen) || limit.first && has_fallen)
+        };
         self.batches.run_while(tasks, limit.most().unwrap_or(0), look, goes_on).map(|_| ())
     }
 }
@@ -318,8 +328,9 @@ impl Limit {
         self.runs.or_else(|| self.within.is_none().then_some(RUNS))
     }
 
-    fn is_over(&self, begun: Instant) -> bool {
-        self.within.is_some_and(|within| begun.elapsed() >= within)
+    /// Whether no run begins any more. Once one has failed, half of the time is left to make its case plain.
+    fn is_over(&self, begun: Instant, has_fallen: bool) -> bool {
+        self.within.is_some_and(|within| begun.elapsed() >= if has_fallen { within / 2 } else { within })
     }
 }
 

@@ -51,7 +51,7 @@ impl Draft {
                 .filter_map(|draft| Some((draft.toml().ok()?, draft)))
                 .collect();
             for some in drafts.chunks(AT_A_TIME) {
-                if *trials >= MOST_TRIALS {
+                if *trials >= MOST_TRIALS || court.is_over() {
                     return Ok(Some((best, false)));
                 }
                 *trials += some.len() as u64;
