@@ -118,9 +118,10 @@ impl Feeler {
     }
 }
 
-/// Whether it sits on the body itself: where one on a turret looks is not understood.
+/// Whether it sits on the body itself and its rays are level: where one on a turret looks is not understood, and one that looks down sees the
+/// floor.
 fn is_fixed(sensor: &Sensor) -> bool {
-    sensor.mount.is_none_or(|mount| mount.turret.is_none())
+    sensor.mount.is_none_or(|mount| mount.is_fixed_and_level())
 }
 
 fn mount(sensor: &Sensor) -> Pose {

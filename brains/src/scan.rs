@@ -21,13 +21,13 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A reading of a `laser` that does not sit on a turret; `None` of anything else, or if its data sheet does not
+    /// A reading of a `laser` with level rays that does not sit on a turret; `None` of anything else, or if its data sheet does not
     /// state how wide it opens.
     #[must_use]
     pub fn of(sensor: &Sensor, reading: &Reading) -> Option<Self> {
         let (range_m, mount, opening_rad) = (sensor.range_m?, sensor.mount?, sensor.opening_rad?);
         if sensor.kind != SensorKind::Laser
-            || mount.turret.is_some()
+            || !mount.is_fixed_and_level()
             || reading.values.len() != sensor.values()
         {
             return None;

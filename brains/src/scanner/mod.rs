@@ -49,6 +49,11 @@ impl Scanner {
         if mount.turret.is_some() {
             return Err(wrong(format!("`{laser}` sits on a turret, and scans from there are not supported")));
         }
+        if mount.elevation_rad.is_some() {
+            return Err(wrong(format!(
+                "the rays of `{laser}` have an elevation, and scans of such are not supported"
+            )));
+        }
         let opening_rad = sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
         if !(opening_rad > 0.0 && sheet.values() > 1) {
             return Err(wrong(format!("the rays of `{laser}` all point the same way, which is not a scan")));

@@ -180,7 +180,7 @@ fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, ParameterE
     }
     let of_kind = |kind: &SensorKind| -> Vec<usize> {
         let sensors = body.sensors.iter().enumerate();
-        let is_fixed = |sensor: &Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
+        let is_fixed = |sensor: &Sensor| sensor.mount.is_some_and(|mount| mount.is_fixed_and_level());
         sensors.filter(|(_, sensor)| sensor.kind == *kind && is_fixed(sensor)).map(|(i, _)| i).collect()
     };
     let found = KINDS.iter().map(of_kind).find(|sensors| !sensors.is_empty());
@@ -190,9 +190,9 @@ fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, ParameterE
     })
 }
 
-/// The range and the place of a sensor that sits on the body and not on a turret.
+/// The range and the place of a sensor with level rays that sits on the body and not on a turret.
 fn fixed(sensor: &Sensor) -> Option<(f64, Pose)> {
-    let mount = sensor.mount.filter(|mount| mount.turret.is_none())?;
+    let mount = sensor.mount.filter(|mount| mount.is_fixed_and_level())?;
     let range_m = sensor.range_m.filter(|range_m| range_m.is_finite())?;
     Some((range_m, Pose::new(mount.x_m, mount.y_m, mount.heading_rad)))
 }

@@ -68,9 +68,9 @@ impl<'a> ScanSource<'a> {
     /// Everything that stands still and is as high as the laser.
     pub(super) fn map(&self, arena: &Arena) -> anyhow::Result<Map> {
         let above_floor_m = self.laser.mount.height.above_floor_m;
-        let polygons = arena.polygons().iter().filter(|polygon| polygon.look.height_m >= above_floor_m);
+        let polygons = arena.polygons().iter().filter(|polygon| polygon.look.is_at(above_floor_m));
         let lines: Vec<_> = polygons.flat_map(|polygon| polygon.edges()).collect();
-        let pillars = arena.pillars().iter().filter(|pillar| pillar.look.height_m >= above_floor_m);
+        let pillars = arena.pillars().iter().filter(|pillar| pillar.look.is_at(above_floor_m));
         let discs: Vec<_> = pillars.map(|pillar| pillar.circle).collect();
         if lines.is_empty() && discs.is_empty() {
             return Err(Refused::error(format!(

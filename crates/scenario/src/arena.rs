@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use super::names::Names;
 #[cfg(feature = "schema")]
 use super::shapes::Corners;
-use super::shapes::{corners, disc, look, outline, point, raised};
+use super::shapes::{corners, disc, each, look, outline, point, raised};
 use super::things::{RawMovable, RawMover};
 use super::trail::{MOST_CELLS, RawTrail, trail};
 use baudbot_fields::number::{
@@ -292,16 +292,6 @@ pub(super) fn surroundings(path: &Path, raw: &RawArena, step_ns: u64) -> Result<
         origin_deg: (raw.latitude_deg.get(), raw.longitude_deg.get()),
         altitude_m: raw.altitude_m.get(),
     })
-}
-
-/// Makes something of each element of a list.
-pub(super) fn each<R, T>(
-    path: &Path,
-    field: &str,
-    list: &[R],
-    mut make: impl FnMut(&Path, &R) -> Result<T>,
-) -> Result<Vec<T>> {
-    list.iter().enumerate().map(|(i, raw)| make(&path.field(field).index(i), raw)).collect()
 }
 
 fn zone(path: &Path, raw: &RawZone, names: &mut Names) -> Result<Zone> {

@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::Point;
 
-use super::arena::{arena, each, surroundings};
+use super::arena::{arena, surroundings};
 use super::context::{self, Step};
 use super::names::Names;
 use super::robots;
-use super::shapes::disc;
+use super::shapes::{disc, each};
 use baudbot_fields::number::{Millis, Number, Rule};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::scenario::{End, Scenario, Source};

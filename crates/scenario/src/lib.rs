@@ -29,6 +29,7 @@ macro_rules! given {
 
 mod actuators;
 mod arena;
+mod body;
 pub mod budget;
 mod build;
 mod cable;

@@ -5,9 +5,9 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Point, polygon};
 use baudbot_wire::Encoding;
 
+use super::body::Body;
 use super::context::{MAX_SUBSTEPS, Step, World};
 use super::motors::{self, ParsedMotors};
 use super::names::Names;
@@ -128,8 +128,7 @@ fn model(
     let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
     let dead_time_ns = motors.dead_time_ns;
-    let body = path.field("body");
-    let (outline, radius_m) = outline(&body, &raw.body)?;
+    let Body { outline, radius_m, parts } = Body::new(&path.field("body"), &raw.body)?;
     let drive = drive(&raw.body, radius_m, motors);
     let Equipment { actuators, battery, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
@@ -138,13 +137,14 @@ fn model(
     let encodings = alloc::vec![motor; 2 + actuators.len()];
     let Mind { processor, link, thinking_ns, firmware } =
         mind(path, &raw, &mut sensors, encodings, context.step)?;
-    let parts = chip::Parts { sensors: &sensors, motors: &drive.motor, actuators: &actuators, link: &link };
-    let chip = chip::chip(path, &raw, &parts)?;
+    let on_pins = chip::Parts { sensors: &sensors, motors: &drive.motor, actuators: &actuators, link: &link };
+    let chip = chip::chip(path, &raw, &on_pins)?;
     let within_ns = raw.brain.deadline_ms.map(Number::get);
     let model = RobotModel {
         drive,
         outline,
         look: shapes::look(raw.body.height_m, raw.body.color),
+        parts,
         signal_limit,
         actuators,
         battery,
@@ -250,26 +250,6 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     // The sensors on the wire keep their order and come first, so that their places are those on the wire.
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
     Ok(Equipment { actuators, battery, sensors })
-}
-
-/// Corners of the body and the radius of the disc that it is, or fits in.
-fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
-    match (raw.radius_m, &raw.outline_m) {
-        (Some(radius), None) => Ok((Vec::new(), radius.get())),
-        (None, Some(corners)) => {
-            let at = path.field("outline_m");
-            let corners = shapes::outline(&at, corners)?;
-            if !polygon::contains(&corners, Point::origin()) {
-                return Err(at.error("the robot's centre, between its wheels at (0, 0), must lie inside"));
-            }
-            let radius_m = polygon::bounding_radius(&corners);
-            Ok((corners, radius_m))
-        }
-        (None, None) => {
-            Err(path.field("radius_m").error("is missing; a body is a disc or has an `outline_m`"))
-        }
-        (Some(_), Some(_)) => Err(path.field("radius_m").error("a body with an `outline_m` has no radius")),
-    }
 }
 
 /// Makes something of each table of a robot's sensors or actuators.

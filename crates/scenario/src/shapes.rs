@@ -80,6 +80,16 @@ fn no_inside(defect: Defect) -> String {
     }
 }
 
+/// Makes something of each element of a list.
+pub(super) fn each<R, T>(
+    path: &Path,
+    field: &str,
+    list: &[R],
+    mut make: impl FnMut(&Path, &R) -> Result<T>,
+) -> Result<Vec<T>> {
+    list.iter().enumerate().map(|(i, raw)| make(&path.field(field).index(i), raw)).collect()
+}
+
 /// Height and colour; what has no height reaches up to every sensor.
 pub(super) fn look(height_m: Option<Number<Length>>, color: Option<[u8; 3]>) -> Look {
     let height_m = height_m.map_or(f64::INFINITY, Number::get);

@@ -51,7 +51,7 @@ impl Look {
     pub const WALL: Self = Self { height_m: f64::INFINITY, lower_edge_m: 0.0, color: [128, 128, 128] };
 
     /// Whether an eye at this height looks at it, and neither over nor under it. Rounding puts nobody below the floor.
-    pub(crate) fn is_at(&self, above_floor_m: f64) -> bool {
+    pub fn is_at(&self, above_floor_m: f64) -> bool {
         self.lower_edge_m <= above_floor_m.max(0.0) && self.height_m >= above_floor_m
     }
 }

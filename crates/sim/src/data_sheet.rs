@@ -122,7 +122,7 @@ fn components(spec: &sensor::Sensor) -> Vec<Component> {
 
 fn mount(spec: &sensor::Mount) -> Mount {
     let (x_m, y_m) = (spec.pose.position.x, spec.pose.position.y);
-    Mount { x_m, y_m, heading_rad: spec.pose.heading, turret: spec.turret }
+    Mount { x_m, y_m, heading_rad: spec.pose.heading, turret: spec.turret, elevation_rad: spec.elevation_rad }
 }
 
 fn port(spec: &port::Port, device: &Device) -> Port {

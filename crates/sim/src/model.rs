@@ -20,6 +20,7 @@ use crate::movable::Form;
 pub use crate::port_use::PortUse;
 use crate::processor::Processor;
 use crate::sensor::Sensors;
+use crate::surroundings::Region;
 use crate::time::SimTime;
 
 /// A robot of a scenario: its name, where it starts, and what it is.
@@ -56,6 +57,8 @@ pub struct RobotModel {
     pub outline: Vec<Point>,
     /// Its height and its colour.
     pub look: Look,
+    /// What stands on it or sticks out of it, such as a mast: seen by others' sensors, and in no contact.
+    pub parts: Vec<Part>,
     /// Largest motor signal that a brain may ask for; `None` means any, as in ARSim.
     pub signal_limit: Option<f64>,
     /// Actuators besides the wheels, in the order of the wire.
@@ -89,6 +92,15 @@ pub struct RobotModel {
     pub brain_operations: Option<u64>,
     /// Memory that a brain on board needs for its variables, in bytes, if the scenario says.
     pub brain_memory_bytes: Option<u64>,
+}
+
+/// A part of a body for sensing (§3.2.3).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The outline in the robot's frame.
+    pub outline: Region,
+    /// From which height to which it reaches, and its colour.
+    pub look: Look,
 }
 
 impl RobotModel {

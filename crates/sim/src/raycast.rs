@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, Ray};
+use baudbot_geometry::{Fan, Point, Pose, Ray, math};
 
 use crate::scene::Frozen;
 use crate::sensor::{Device, Mount, Sensor};
@@ -18,13 +18,27 @@ pub struct RayCaster<'a> {
     frozen: Frozen,
 }
 
-/// A ray, and how far it runs.
+/// A ray as it is seen from above, and how far it runs: along the floor, also if it has an elevation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastRay {
     /// The ray from the sensor, in the world.
     pub ray: Ray,
     /// Distance to what it meets, in metres; none if there is nothing within the range.
     pub distance_m: Option<f64>,
+    /// Distance to where its range ends, in metres.
+    pub range_m: f64,
+}
+
+impl CastRay {
+    /// Its length, in metres.
+    pub fn length_m(&self) -> f64 {
+        self.distance_m.unwrap_or(self.range_m)
+    }
+
+    /// The point in which it ends.
+    pub fn end(&self) -> Point {
+        self.ray.at(self.length_m())
+    }
 }
 
 impl<'a> RayCaster<'a> {
@@ -66,12 +80,17 @@ impl<'a> RayCaster<'a> {
     pub fn along(&self, robot: usize, mount: &Mount, fan: &Fan, range_m: f64) -> Vec<CastRay> {
         let pose = self.place(robot, mount);
         let scene = self.world.scenario().scene(&self.frozen, self.world.trails(), robot);
-        let eye = scene.look(pose.position, mount.height, range_m);
+        let level = scene.look(pose.position, mount.height, range_m);
+        let (eye, share) = match mount.elevation_rad {
+            None => (level, 1.0),
+            Some(elevation_rad) => (level.raised(elevation_rad), math::cos(elevation_rad)),
+        };
         let mut distances_m = alloc::vec![0.0; fan.len()];
         eye.sweep(&pose, fan, 0..fan.len(), &mut distances_m);
         let cast = |(ray, distance_m): (Ray, f64)| CastRay {
             ray,
-            distance_m: Some(distance_m).filter(|distance_m| distance_m.is_finite()),
+            distance_m: Some(share * distance_m).filter(|distance_m| distance_m.is_finite()),
+            range_m: share * range_m,
         };
         fan.rays(pose.position, pose.direction()).zip(distances_m).map(cast).collect()
     }

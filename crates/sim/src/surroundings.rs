@@ -63,6 +63,14 @@ pub enum Region {
 }
 
 impl Region {
+    /// The distance from the origin to the point that is farthest from it, in metres.
+    pub fn reach_m(&self) -> f64 {
+        match self {
+            Self::Disc(disc) => disc.center.coords.norm() + disc.radius,
+            Self::Polygon(points) => polygon::bounding_radius(points),
+        }
+    }
+
     /// Whether `point` is in it.
     pub fn contains(&self, point: Point) -> bool {
         match self {

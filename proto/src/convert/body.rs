@@ -119,14 +119,14 @@ impl TryFrom<v1::SensorDescription> for Sensor {
 }
 
 impl From<Mount> for v1::Mount {
-    fn from(Mount { x_m, y_m, heading_rad, turret }: Mount) -> Self {
-        Self { x_m, y_m, heading_rad, turret: turret.map(|place| place as u32) }
+    fn from(Mount { x_m, y_m, heading_rad, turret, elevation_rad }: Mount) -> Self {
+        Self { x_m, y_m, heading_rad, turret: turret.map(|place| place as u32), elevation_rad }
     }
 }
 
 impl From<v1::Mount> for Mount {
-    fn from(v1::Mount { x_m, y_m, heading_rad, turret }: v1::Mount) -> Self {
-        Self { x_m, y_m, heading_rad, turret: turret.map(|place| place as usize) }
+    fn from(v1::Mount { x_m, y_m, heading_rad, turret, elevation_rad }: v1::Mount) -> Self {
+        Self { x_m, y_m, heading_rad, turret: turret.map(|place| place as usize), elevation_rad }
     }
 }
 

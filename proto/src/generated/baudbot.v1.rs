@@ -3870,6 +3870,9 @@ pub struct Mount {
     /// Absent if the sensor is fixed to the robot.
     #[prost(uint32, optional, tag = "4")]
     pub turret: ::core::option::Option<u32>,
+    /// Angle by which the rays rise above the plane of the floor, in radians. Absent if they are level.
+    #[prost(double, optional, tag = "5")]
+    pub elevation_rad: ::core::option::Option<f64>,
 }
 /// Component of a reading: one value, or one per ray or column.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -5056,6 +5059,9 @@ pub struct Look {
     /// Blue component of the colour, 0 to 255.
     #[prost(uint32, tag = "4")]
     pub blue: u32,
+    /// Height above the floor at which the body begins, in metres: 0 if it stands on the floor.
+    #[prost(double, tag = "5")]
+    pub lower_edge_m: f64,
 }
 /// Shape on the floor: a polygon or a disc.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -5212,6 +5218,19 @@ pub struct ObservedRobot {
     /// Signals on the pins of its chip. Empty if its microcontroller does not run the user's own program.
     #[prost(message, repeated, tag = "9")]
     pub pins: ::prost::alloc::vec::Vec<PinSignal>,
+    /// Parts of the body that others' sensors see, such as a mast. Nothing collides with them.
+    #[prost(message, repeated, tag = "10")]
+    pub parts: ::prost::alloc::vec::Vec<BodyPart>,
+}
+/// Part of a robot's body between two heights.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct BodyPart {
+    /// Shape of the part in the robot frame.
+    #[prost(message, optional, tag = "1")]
+    pub outline: ::core::option::Option<Outline>,
+    /// Heights and colour.
+    #[prost(message, optional, tag = "2")]
+    pub look: ::core::option::Option<Look>,
 }
 /// Signal of a chip, as shown by a logic analyser on its pins.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -5531,7 +5550,8 @@ pub struct RayFan {
     /// direction.
     #[prost(double, tag = "4")]
     pub opening_rad: f64,
-    /// Length of each ray up to the body that it hits, in metres; if it hits nothing, the range of the sensor.
+    /// Length of each ray up to the body that it hits, in metres; if it hits nothing, the range of the sensor. Of rays with an
+    /// elevation it is the length along the floor.
     #[prost(float, repeated, tag = "5")]
     pub lengths_m: ::prost::alloc::vec::Vec<f32>,
 }

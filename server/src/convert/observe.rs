@@ -3,7 +3,7 @@
 use baudbot_proto::v1;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::arena::{Look, Pillar, Polygon};
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{Part, RobotSpec};
 use baudbot_sim::movable::{Movable, MovableShape};
 use baudbot_sim::mover::Mover;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
@@ -37,7 +37,7 @@ fn point(point: &(impl Into<[f64; 2]> + Copy)) -> v1::Point {
 fn look(look: &Look) -> Option<v1::Look> {
     let [red, green, blue] = look.color.map(u32::from);
     let height_m = Some(look.height_m).filter(|height| height.is_finite());
-    Some(v1::Look { height_m, red, green, blue })
+    Some(v1::Look { height_m, red, green, blue, lower_edge_m: look.lower_edge_m })
 }
 
 fn polygon(polygon: &Polygon) -> v1::Polygon {
@@ -70,6 +70,22 @@ fn robot(spec: &RobotSpec) -> v1::ObservedRobot {
         description: Some(description(spec)),
         deadline_ns: spec.deadline.within_ns,
         pins: spec.chip.iter().flat_map(|chip| pins::signals(chip)).collect(),
+        parts: spec.parts.iter().map(part).collect(),
+    }
+}
+
+fn part(part: &Part) -> v1::BodyPart {
+    v1::BodyPart { outline: Some(region(&part.outline)), look: look(&part.look) }
+}
+
+fn region(region: &Region) -> v1::Outline {
+    match region {
+        Region::Disc(disc) => {
+            v1::Outline { points: Vec::new(), center: Some(point(&disc.center)), radius_m: disc.radius }
+        }
+        Region::Polygon(corners) => {
+            v1::Outline { points: corners.iter().map(point).collect(), center: None, radius_m: 0.0 }
+        }
     }
 }
 
@@ -104,17 +120,9 @@ fn movable(movable: &Movable) -> v1::ObservedThing {
 }
 
 fn zone(zone: &Zone) -> v1::Zone {
-    let outline = match &zone.region {
-        Region::Disc(disc) => {
-            v1::Outline { points: Vec::new(), center: Some(point(&disc.center)), radius_m: disc.radius }
-        }
-        Region::Polygon(corners) => {
-            v1::Outline { points: corners.iter().map(point).collect(), center: None, radius_m: 0.0 }
-        }
-    };
     v1::Zone {
         zone: zone.name.clone(),
-        outline: Some(outline),
+        outline: Some(region(&zone.region)),
         goal: zone.goal,
         charger_w: zone.charger_w,
         floor: zone.floor,

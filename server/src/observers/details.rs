@@ -2,7 +2,7 @@
 
 use baudbot_proto::v1;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::raycast::{CastRay, RayCaster};
+use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{AgeSpan, RobotView, SensorView, SimTime, World};
 
 use super::pins::Pins;
@@ -140,10 +140,8 @@ impl Detailed {
         if casts.is_empty() {
             return None;
         }
-        let range_m = sensor.device.range_m().unwrap_or(f64::INFINITY);
         let opening_rad = sensor.device.fan().map_or(0.0, |fan| fan.opening_rad());
-        let length = |cast: &CastRay| cast.distance_m.unwrap_or(range_m) as f32;
-        let lengths_m = casts.iter().map(length).collect();
+        let lengths_m = casts.iter().map(|cast| cast.length_m() as f32).collect();
         Some(convert::ray_fan(caster.place(self.robot, mount), opening_rad, lengths_m))
     }
 }

@@ -21,6 +21,8 @@ interface Batch {
   fill: string | undefined;
   line: string;
   dashed: boolean;
+  /** Some sensors see under it. */
+  raised: boolean;
   path: Path2D;
 }
 
@@ -65,7 +67,9 @@ export class Ground {
       context.setLineDash(batch.dashed ? [5 / view.scale, 3 / view.scale] : []);
       if (batch.fill) {
         context.fillStyle = batch.fill;
+        context.globalAlpha = batch.raised ? 0.45 : 1;
         context.fill(batch.path);
+        context.globalAlpha = 1;
       }
       context.stroke(batch.path);
     }
@@ -78,10 +82,12 @@ function batchesOf(description: DescribeWorldResponse, theme: Theme): Batch[] {
   const path = (thing: Polygon | { look?: Polygon["look"]; solid: boolean }): Path2D => {
     const { fill, rim } = solidColors(thing.look, theme, false);
     const dashed = thing.look?.heightM !== undefined;
-    const key = `${fill} ${rim} ${dashed} ${thing.solid}`;
+    const raised = (thing.look?.lowerEdgeM ?? 0) > 0;
+    const key = `${fill} ${rim} ${dashed} ${raised} ${thing.solid}`;
     const known = batches.get(key);
     if (known) return known.path;
-    const made = { fill: thing.solid ? fill : undefined, line: thing.solid ? rim : fill, dashed, path: new Path2D() };
+    const [inside, line] = thing.solid ? [fill, rim] : [undefined, fill];
+    const made = { fill: inside, line, dashed, raised, path: new Path2D() };
     batches.set(key, made);
     return made.path;
   };

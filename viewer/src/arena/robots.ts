@@ -1,11 +1,11 @@
 /** Robots, from a point each in a crowd to a body with wheels when there is room for it. */
-import type { ObservedRobot } from "../gen/baudbot/v1/observe_pb";
+import type { BodyPart, ObservedRobot } from "../gen/baudbot/v1/observe_pb";
 import type { Pose } from "../model/pose";
 import { poseOf } from "../model/motion";
 import { robotColors, withAlpha } from "./palette";
 import { BOLD, FONT, isShown, label, type Scene } from "./scene";
 import { toPixel, useMetres } from "./view";
-import { trace } from "./ground";
+import { trace, traceOutline } from "./ground";
 
 /** Smaller than this on the screen, in pixels of radius, a robot is a square. */
 const DOT = 2.5;
@@ -94,8 +94,21 @@ export function drawBody(scene: Scene, robot: ObservedRobot | undefined, pose: P
   context.strokeStyle = rim;
   context.lineWidth = (radius > 30 ? 2 : 1.3) / view.scale;
   context.stroke();
+  for (const part of robot.parts) drawPart(scene, part);
   arrow(context, robot.radiusM, rim, view.scale);
   context.restore();
+}
+
+/** What stands on a robot or sticks out of it, in the robot's frame. */
+function drawPart({ context, view, theme }: Scene, { outline, look }: BodyPart): void {
+  const { body, rim } = robotColors(look, theme);
+  context.beginPath();
+  traceOutline(context, outline);
+  context.fillStyle = body;
+  context.fill();
+  context.strokeStyle = rim;
+  context.lineWidth = 1 / view.scale;
+  context.stroke();
 }
 
 /** The rim of a robot in its own frame. */

@@ -25,7 +25,9 @@ export function drawSenses(scene: Scene, robotPose: Pose): void {
     const { xM, yM, headingRad } = detail.rays;
     const onRobot = relative(framePose, { x_m: xM, y_m: yM, heading_rad: headingRad });
     drawFan(scene, description, detail, detail.rays, composed(robotPose, onRobot));
-    if (description.kind === SensorKind.LASER) drawScan(scene, detail, detail.rays, onRobot);
+    // Its readings are along the rays.
+    const share = Math.cos(description.mount?.elevationRad ?? 0);
+    if (description.kind === SensorKind.LASER) drawScan(scene, detail, detail.rays, onRobot, share);
   });
 }
 
@@ -89,7 +91,7 @@ function writeReading(
 }
 
 /** The scan that the brain has, where it was taken: by now the robot may be elsewhere. */
-function drawScan(scene: Scene, detail: SensorDetail, fan: RayFan, onRobot: Pose): void {
+function drawScan(scene: Scene, detail: SensorDetail, fan: RayFan, onRobot: Pose, share: number): void {
   const { context, view, store } = scene;
   const taken = detail.sampledAtNs === undefined ? undefined : store.record?.poseAt(detail.sampledAtNs);
   if (!taken) return;
@@ -99,7 +101,8 @@ function drawScan(scene: Scene, detail: SensorDetail, fan: RayFan, onRobot: Pose
   detail.values.slice(0, count).forEach((distance_m, k) => {
     if (distance_m < 0) return;
     const angle = sensor.heading_rad + bearing(fan, k, count);
-    const [x, y] = toPixel(view, sensor.x_m + distance_m * Math.cos(angle), sensor.y_m + distance_m * Math.sin(angle));
+    const along_m = share * distance_m;
+    const [x, y] = toPixel(view, sensor.x_m + along_m * Math.cos(angle), sensor.y_m + along_m * Math.sin(angle));
     context.fillRect(x - 1.25, y - 1.25, 2.5, 2.5);
   });
 }

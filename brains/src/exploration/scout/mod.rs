@@ -251,9 +251,9 @@ fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
     })
 }
 
-/// The first laser that sits on the body itself.
+/// The first laser with level rays that sits on the body itself.
 pub(super) fn laser(body: &Body) -> Option<&Sensor> {
-    let is_fixed = |sensor: &&Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
+    let is_fixed = |sensor: &&Sensor| sensor.mount.is_some_and(|mount| mount.is_fixed_and_level());
     body.sensors.iter().filter(|sensor| sensor.kind == SensorKind::Laser).find(is_fixed)
 }
 

@@ -34,7 +34,7 @@ impl Eye {
         radius_m: f64,
     ) -> Option<Self> {
         let is_wanted = parameters.names.is_empty() || parameters.names.contains(&sensor.name);
-        let mount = sensor.mount.filter(|mount| is_wanted && mount.turret.is_none())?;
+        let mount = sensor.mount.filter(|mount| is_wanted && mount.is_fixed_and_level())?;
         let range_m = sensor.range_m.filter(|range_m| range_m.is_finite() && *range_m > 0.0)?;
         if !matches!(sensor.kind, SensorKind::Infrared | SensorKind::Sonar) {
             return None;

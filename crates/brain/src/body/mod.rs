@@ -137,6 +137,8 @@ pub struct Mount {
     pub heading_rad: f64,
     /// The actuator that turns it about the robot's centre, by its place in [`Body::actuators`].
     pub turret: Option<usize>,
+    /// The angle by which its rays rise above the floor's plane, in radians; `None` if they are level.
+    pub elevation_rad: Option<f64>,
 }
 
 /// The firmware of a microcontroller.
@@ -146,6 +148,13 @@ pub struct Firmware {
     pub protocol: Protocol,
     /// Nanoseconds between two messages of readings; `None` if it answers only when asked.
     pub period_ns: Option<u64>,
+}
+
+impl Mount {
+    /// Whether what it looks along stays at one place of the robot's plane: it is on no turret, and its rays are level.
+    pub fn is_fixed_and_level(&self) -> bool {
+        self.turret.is_none() && self.elevation_rad.is_none()
+    }
 }
 
 impl Sensor {

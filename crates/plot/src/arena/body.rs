@@ -3,10 +3,12 @@
 use baudbot_geometry::{Circle, Point, Pose, math};
 use baudbot_sim::actuator::{Actuator, ActuatorKind, Dispenser, Lamp, Speaker};
 use baudbot_sim::arena::Look;
-use baudbot_sim::model::RobotSpec;
+use baudbot_sim::model::{Part, RobotSpec};
 use baudbot_sim::sensor::Device;
+use baudbot_sim::surroundings::Region;
 
 use super::view::{View, arc};
+use super::walls::heights;
 use crate::palette::{BODY, INK, INNER, LAMP, LAMP_RIM, ROBOT, WHITE, darker, lighter};
 use crate::quantity::{count, handy, length};
 use crate::svg::{Canvas, Element, arrow_head, drawn, path};
@@ -21,6 +23,9 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     canvas.put(body.set("stroke-width", if radius > 30.0 { "2" } else { "1.2" }));
     if radius > 4.0 {
         draw_wheels(canvas, view, robot);
+    }
+    for part in &robot.parts {
+        draw_part(canvas, view, robot, part);
     }
     draw_heading(canvas, view, robot, &rim);
     if radius > 12.0 {
@@ -45,6 +50,20 @@ pub(super) fn rim_of(view: &View, robot: &RobotSpec) -> Element {
         return view.circle(&Circle { center: pose.position, radius: robot.drive.radius_m });
     }
     drawn(&view.ring(robot.outline.iter().map(|&corner| pose.transform(corner))))
+}
+
+/// Draws what stands on the body, or sticks out of it.
+fn draw_part(canvas: &mut Canvas, view: &View, robot: &RobotSpec, part: &Part) {
+    let pose = &robot.start.pose;
+    let shape = match &part.outline {
+        Region::Disc(disc) => {
+            view.circle(&Circle { center: pose.transform(disc.center), radius: disc.radius })
+        }
+        Region::Polygon(corners) => drawn(&view.ring(corners.iter().map(|&corner| pose.transform(corner)))),
+    };
+    let (fill, rim) = colors(&part.look);
+    let title = format!("a part of {}, {}", robot.name, heights(&part.look));
+    canvas.put(shape.set("fill", &fill).set("stroke", &rim).set("stroke-width", "1").titled(&title));
 }
 
 fn colors(look: &Look) -> (String, String) {

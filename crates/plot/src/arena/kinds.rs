@@ -30,6 +30,7 @@ fn are_alike(a: &RobotSpec, b: &RobotSpec) -> bool {
     a.drive == b.drive
         && a.outline == b.outline
         && a.look == b.look
+        && a.parts == b.parts
         && a.sensors == b.sensors
         && a.actuators == b.actuators
         && a.chip == b.chip

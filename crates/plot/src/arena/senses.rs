@@ -8,7 +8,7 @@ use baudbot_sim::sensor::{Mount, Sensor, Style, Symbol};
 use super::extent::of_disc;
 use super::view::{View, arc};
 use crate::palette::WHITE;
-use crate::quantity::{count, duration, length};
+use crate::quantity::{count, duration, handy, length};
 use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified};
 
 /// Draws the areas that a robot's sensors see, below the robots.
@@ -50,7 +50,7 @@ fn fan(
     let wedge = wedge(view, caster, robot, (mount, fan, range_m));
     group.put(drawn(&wedge).set("stroke", "none").set("fill-opacity", "0.16"));
     if fan.len() <= MOST_RAYS {
-        rays(group, view, &caster.sees(robot, sensor), range_m);
+        rays(group, view, &caster.sees(robot, sensor));
     }
 }
 
@@ -92,7 +92,7 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, r
         match symbol {
             Symbol::Line => {
                 for cast in caster.sees(robot.0, sensor) {
-                    whisker_line(canvas, view, &cast, sensor.device.range_m().unwrap_or(0.0));
+                    whisker_line(canvas, view, &cast);
                 }
                 canvas.put(circle(0.8 * dot));
             }
@@ -155,7 +155,9 @@ pub(super) fn title(robot: &RobotSpec, sensor: &Sensor) -> String {
     let rays = sensor.device.fan().map(|fan| format!(", {}", count(fan.len(), "ray")));
     let height = sensor.device.mount().map(|mount| mount.height.above_floor_m).filter(|height| *height > 0.0);
     let height = height.map(|height| format!(", {} above the floor", length(height)));
-    let more: String = [range, rays, height].into_iter().flatten().collect();
+    let elevation_rad = sensor.device.mount().and_then(|mount| mount.elevation_rad);
+    let elevation = elevation_rad.map(|elevation_rad| format!(", raised by {} rad", handy(elevation_rad)));
+    let more: String = [range, rays, height, elevation].into_iter().flatten().collect();
     format!("{}.{}: {}{more}, every {}", robot.name, sensor.name, sensor.device.kind(), period(sensor))
 }
 
@@ -181,7 +183,7 @@ fn wedge(
     let rays = enough.max(fan.len().min(720)).clamp(1, MOST_SAMPLES);
     let smooth = Fan::new(opening, rays);
     let casts = caster.along(robot, mount, &smooth, range_m);
-    let ends: Vec<_> = casts.iter().map(|cast| view.at(end(cast, range_m))).collect();
+    let ends: Vec<_> = casts.iter().map(|cast| view.at(cast.end())).collect();
     let origin = view.at(pose.position);
     let around = opening > std::f64::consts::TAU - 1e-3;
     path(simplified(&ends, 0.25).into_iter().chain((!around).then_some(origin))) + "Z"
@@ -192,13 +194,9 @@ fn farthest(view: &View, pose: &Pose) -> f64 {
     (pose.position - view.world.center()).norm() + 0.5 * view.world.size().norm()
 }
 
-fn end(cast: &CastRay, range_m: f64) -> Point {
-    cast.ray.at(cast.distance_m.unwrap_or(range_m))
-}
-
 /// Draws rays as thin lines, with dots where they meet something.
-fn rays(canvas: &mut Canvas, view: &View, casts: &[CastRay], range_m: f64) {
-    let line = |cast: &CastRay| view.line([cast.ray.origin, end(cast, range_m)]);
+fn rays(canvas: &mut Canvas, view: &View, casts: &[CastRay]) {
+    let line = |cast: &CastRay| view.line([cast.ray.origin, cast.end()]);
     let lines: String = casts.iter().map(line).collect();
     canvas.put(drawn(&lines).set("fill", "none").set("stroke-width", "0.6").set("stroke-opacity", "0.6"));
     canvas.put_dots(&dots(view, casts));
@@ -211,8 +209,8 @@ fn dots(view: &View, casts: &[CastRay]) -> String {
     seen.map(|(x, y)| format!("M{} {}h.01", px(x), px(y))).collect()
 }
 
-fn whisker_line(canvas: &mut Canvas, view: &View, cast: &CastRay, length_m: f64) {
-    let line = drawn(&view.line([cast.ray.origin, end(cast, length_m)])).set("fill", "none");
+fn whisker_line(canvas: &mut Canvas, view: &View, cast: &CastRay) {
+    let line = drawn(&view.line([cast.ray.origin, cast.end()])).set("fill", "none");
     canvas.put(line.set("stroke-width", "1.8").set("stroke-linecap", "round"));
     canvas.put_dots(&dots(view, std::slice::from_ref(cast)));
 }

@@ -19,7 +19,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, arena: &Arena) {
         }
     }
     for pillar in arena.pillars().iter().filter(|pillar| view.shows(&Bounds::of_circle(&pillar.circle))) {
-        let title = format!("{}: a pillar, {}", pillar.name, height(&pillar.look));
+        let title = format!("{}: a pillar, {}", pillar.name, heights(&pillar.look));
         canvas.put(solid(view.circle(&pillar.circle), &pillar.look).titled(&title));
     }
     canvas.close("g");
@@ -76,7 +76,7 @@ fn draw_polygon(view: &View, polygon: &Polygon) -> Element {
         (false, true) => "hollow",
         (false, false) => "an open line",
     };
-    let title = format!("{}: {what}, {}", polygon.name, height(&polygon.look));
+    let title = format!("{}: {what}, {}", polygon.name, heights(&polygon.look));
     if polygon.solid {
         return solid(drawn(&view.ring(points)), &polygon.look).titled(&title);
     }
@@ -97,20 +97,32 @@ fn solid(shape: Element, look: &Look) -> Element {
     let color = own_color(look.color, rgb(WALL));
     if look.height_m.is_finite() {
         let shape = shape.set("fill", &lighter(color, 0.4)).set("stroke", &css(color));
-        return shape.set("stroke-dasharray", "5 3");
+        return under(shape.set("stroke-dasharray", "5 3"), look);
     }
-    shape.set("fill", &css(color)).set("stroke", &darker(color, 0.65))
+    under(shape, look).set("fill", &css(color)).set("stroke", &darker(color, 0.65))
+}
+
+/// What some sensors see under is half transparent.
+fn under(shape: Element, look: &Look) -> Element {
+    if look.lower_edge_m > 0.0 { shape.set("fill-opacity", "0.45") } else { shape }
 }
 
 fn name(name: &str, look: &Look) -> String {
-    if look.height_m.is_finite() { format!("{name} ↕{}", length(look.height_m)) } else { name.to_owned() }
+    match (look.lower_edge_m > 0.0, look.height_m.is_finite()) {
+        (true, true) => format!("{name} ↕{} to {}", length(look.lower_edge_m), length(look.height_m)),
+        (true, false) => format!("{name} ↕from {}", length(look.lower_edge_m)),
+        (false, true) => format!("{name} ↕{}", length(look.height_m)),
+        (false, false) => name.to_owned(),
+    }
 }
 
-fn height(look: &Look) -> String {
-    match look.height_m.is_finite() {
+/// From where to where it reaches, in words.
+pub(super) fn heights(look: &Look) -> String {
+    let top = match look.height_m.is_finite() {
         true => format!("{} high", length(look.height_m)),
         false => "as high as any sensor".to_owned(),
-    }
+    };
+    if look.lower_edge_m > 0.0 { format!("{top}, from {} on", length(look.lower_edge_m)) } else { top }
 }
 
 fn area(view: &View, bounds: &Bounds) -> Area {

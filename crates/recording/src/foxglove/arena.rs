@@ -21,11 +21,11 @@ pub(super) fn arena(described: &v1::DescribeWorldResponse, heights: &Heights, ti
 
 fn wall(polygon: &v1::Polygon, heights: &Heights, time_ns: u64) -> Option<SceneEntity> {
     let mut entity = entity(time_ns, WORLD, format!("wall/{}", polygon.name));
-    let (rgb, top_m) =
+    let (rgb, span_m) =
         (palette::own(polygon.look.as_ref(), palette::WALL), heights.of(polygon.look.as_ref()));
     let paint = color(rgb, palette::WALL_ALPHA);
     if polygon.solid {
-        Footprint::new(&polygon.points, None, 0.0)?.build(&mut entity, top_m, paint);
+        Footprint::new(&polygon.points, None, 0.0)?.build(&mut entity, span_m, paint);
         return Some(entity);
     }
     let corners = corners(&polygon.points);
@@ -34,8 +34,8 @@ fn wall(polygon: &v1::Polygon, heights: &Heights, time_ns: u64) -> Option<SceneE
     }
     // A wall without thickness would not be seen from above.
     let kind = if polygon.closed { Line::LineLoop } else { Line::LineStrip };
-    entity.lines.push(lines(kind, raised(&corners, top_m), 2.0, color(rgb, 1.0)));
-    entity.triangles.push(sides(&corners, polygon.closed, top_m, paint));
+    entity.lines.push(lines(kind, raised(&corners, span_m[1]), 2.0, color(rgb, 1.0)));
+    entity.triangles.push(sides(&corners, polygon.closed, span_m, paint));
     Some(entity)
 }
 
@@ -109,7 +109,13 @@ mod tests {
     }
 
     fn room() -> v1::DescribeWorldResponse {
-        let look = Some(v1::Look { height_m: Some(0.25), red: 255, green: 0, blue: 51 });
+        let look = Some(v1::Look {
+            height_m: Some(0.25),
+            red: 255,
+            blue: 51,
+            lower_edge_m: 0.05,
+            ..v1::Look::default()
+        });
         let corners = vec![at(0.0, 0.0), at(2.0, 0.0), at(2.0, 1.0), at(0.0, 1.0)];
         let block =
             v1::Polygon { name: "block".into(), points: corners.clone(), solid: true, closed: true, look };
@@ -144,7 +150,7 @@ mod tests {
         let [block, fence, post, home, sun] = &arena.entities[..] else { unreachable!("five, as above") };
         let paint = block.triangles[0].color.unwrap();
         assert_eq!((paint.r, paint.g, paint.b), (1.0, 0.0, 0.2));
-        assert!(block.triangles[0].points.iter().all(|point| point.z == 0.0 || point.z == 0.25));
+        assert!(block.triangles[0].points.iter().all(|point| point.z == 0.05 || point.z == 0.25));
         assert_eq!(fence.lines[0].r#type(), Line::LineStrip);
         assert_eq!(fence.lines[0].points.len(), 4);
         let column = &post.cylinders[0];

@@ -20,7 +20,13 @@ fn body(robot: &v1::ObservedRobot, heights: &Heights, time_ns: u64) -> Option<Sc
     let shape = Footprint::of_robot(robot)?;
     let (rgb, top_m) = (palette::own(robot.look.as_ref(), palette::ROBOT), heights.of_robot(robot));
     let mut entity = entity(time_ns, &frames::robot(&robot.robot), &robot.robot);
-    shape.build(&mut entity, top_m, color(rgb, 1.0));
+    shape.build(&mut entity, [0.0, top_m], color(rgb, 1.0));
+    for part in &robot.parts {
+        if let Some(shape) = part.outline.as_ref().and_then(Footprint::of_outline) {
+            let paint = color(palette::own(part.look.as_ref(), palette::ROBOT), 1.0);
+            shape.build(&mut entity, heights.of(part.look.as_ref()), paint);
+        }
+    }
     let reach_m = reach(&shape);
     entity.arrows.push(ArrowPrimitive {
         pose: Some(pose_at(0.0, 0.0, 1.01 * top_m)),

@@ -64,12 +64,12 @@ impl Footprint {
         }
     }
 
-    /// A body on it, up to a height.
-    pub(super) fn build(&self, entity: &mut SceneEntity, top_m: f64, color: Color) {
+    /// A body over it, from one height to another.
+    pub(super) fn build(&self, entity: &mut SceneEntity, span_m: [f64; 2], color: Color) {
         match self {
-            Self::Corners(corners) => entity.triangles.push(prism(corners, top_m, color)),
+            Self::Corners(corners) => entity.triangles.push(prism(corners, span_m, color)),
             Self::Disc { center, radius_m } => {
-                entity.cylinders.push(column(*center, *radius_m, 0.0, top_m, color));
+                entity.cylinders.push(column(*center, *radius_m, span_m[0], span_m[1], color));
             }
         }
     }
@@ -101,9 +101,12 @@ impl Heights {
         Self { tall_m: wanted.reduce(f64::max).unwrap_or(0.5).clamp(0.001, 2.5) }
     }
 
-    /// The height of a wall or a thing.
-    pub(super) fn of(&self, look: Option<&v1::Look>) -> f64 {
-        look.and_then(|look| sound(look.height_m?)).map_or(self.tall_m, |height_m| height_m.min(self.tall_m))
+    /// The heights of a wall or a thing: of its lower edge, and of its top.
+    pub(super) fn of(&self, look: Option<&v1::Look>) -> [f64; 2] {
+        let top_m = look.and_then(|look| sound(look.height_m?));
+        let top_m = top_m.map_or(self.tall_m, |height_m| height_m.min(self.tall_m));
+        let bottom_m = look.and_then(|look| sound(look.lower_edge_m)).unwrap_or(0.0);
+        [bottom_m.min(top_m), top_m]
     }
 
     /// The height of a robot's body.
@@ -150,10 +153,12 @@ mod tests {
             ..v1::DescribeWorldResponse::default()
         };
         let heights = Heights::new(&described);
-        assert_eq!(heights.of(None), 1.0);
-        assert_eq!(heights.of(described.circles[0].look.as_ref()), 0.8);
-        assert_eq!(heights.of(described.circles[1].look.as_ref()), 1.0);
+        assert_eq!(heights.of(None), [0.0, 1.0]);
+        assert_eq!(heights.of(described.circles[0].look.as_ref()), [0.0, 0.8]);
+        assert_eq!(heights.of(described.circles[1].look.as_ref()), [0.0, 1.0]);
+        let table = v1::Look { lower_edge_m: 0.7, ..look(Some(0.8)).unwrap() };
+        assert_eq!(heights.of(Some(&table)), [0.7, 0.8]);
         assert_eq!(heights.of_robot(&robot), 0.1);
-        assert_eq!(Heights::new(&v1::DescribeWorldResponse::default()).of(None), 0.5);
+        assert_eq!(Heights::new(&v1::DescribeWorldResponse::default()).of(None), [0.0, 0.5]);
     }
 }

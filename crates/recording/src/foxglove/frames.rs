@@ -113,7 +113,8 @@ mod tests {
             mount,
             ..v1::SensorDescription::default()
         };
-        let mount = |turret| Some(v1::Mount { x_m: 0.1, y_m: 0.0, heading_rad: 0.5, turret });
+        let mount =
+            |turret| Some(v1::Mount { x_m: 0.1, y_m: 0.0, heading_rad: 0.5, turret, elevation_rad: None });
         let sensors = vec![sensor("eye", mount(None)), sensor("head", mount(Some(1))), sensor("clock", None)];
         let description = Some(v1::RobotDescription { sensors, ..v1::RobotDescription::default() });
         v1::ObservedRobot { robot: "alice".into(), description, ..v1::ObservedRobot::default() }

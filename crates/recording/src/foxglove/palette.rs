@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn only_what_the_scenario_coloured_has_a_colour_of_its_own() {
-        let look = |red| v1::Look { height_m: None, red, green: 128, blue: 128 };
+        let look = |red| v1::Look { red, green: 128, blue: 128, ..v1::Look::default() };
         assert_eq!(own(Some(&look(128)), WALL), WALL);
         assert_eq!(own(None, WALL), WALL);
         assert_eq!(own(Some(&look(200)), WALL), [200, 128, 128]);

@@ -54,12 +54,16 @@ pub(super) fn column(
     }
 }
 
-/// An outline pulled up from the floor: its sides and its roof. The bottom is never visible.
-pub(super) fn prism(corners: &[[f64; 2]], top_m: f64, color: Color) -> TriangleListPrimitive {
+/// An outline pulled up from one height to another: its sides, its roof, and its underside unless that is on the floor.
+pub(super) fn prism(corners: &[[f64; 2]], span_m: [f64; 2], color: Color) -> TriangleListPrimitive {
     let corners = counter_clockwise(corners);
-    let mut sides = sides(&corners, true, top_m, color);
-    let count = corners.len() as u32;
-    sides.indices.extend(triangles(&corners).into_iter().map(|corner| corner + count));
+    let mut sides = sides(&corners, true, span_m, color);
+    let (count, roof) = (corners.len() as u32, triangles(&corners));
+    if span_m[0] > 0.0 {
+        // Seen from below it runs the other way round.
+        sides.indices.extend(roof.iter().rev());
+    }
+    sides.indices.extend(roof.iter().map(|corner| corner + count));
     sides
 }
 
@@ -69,10 +73,15 @@ pub(super) fn plate(corners: &[[f64; 2]], z_m: f64, color: Color) -> TriangleLis
     list(raised(&corners, z_m), triangles(&corners), color)
 }
 
-/// Walls without thickness along a chain of corners.
-pub(super) fn sides(corners: &[[f64; 2]], closed: bool, top_m: f64, color: Color) -> TriangleListPrimitive {
+/// Walls without thickness along a chain of corners, from one height to another.
+pub(super) fn sides(
+    corners: &[[f64; 2]],
+    closed: bool,
+    [bottom_m, top_m]: [f64; 2],
+    color: Color,
+) -> TriangleListPrimitive {
     let count = corners.len() as u32;
-    let points = [raised(corners, 0.0), raised(corners, top_m)].concat();
+    let points = [raised(corners, bottom_m), raised(corners, top_m)].concat();
     let edges = if closed { count } else { count.saturating_sub(1) };
     let side = |i: u32| {
         let next = (i + 1) % count;
@@ -224,7 +233,7 @@ mod tests {
     #[test]
     fn a_prism_has_sides_and_a_roof_whichever_way_its_corners_run() {
         let clockwise = [[0.0, 0.0], [0.0, 1.0], [2.0, 1.0], [2.0, 0.0]];
-        let prism = prism(&clockwise, 0.5, Color::default());
+        let prism = prism(&clockwise, [0.0, 0.5], Color::default());
         assert_eq!(prism.points.len(), 8);
         assert_eq!(prism.indices.len(), 3 * (2 * 4 + 2));
         assert!(prism.indices.iter().all(|&i| i < 8));
@@ -242,7 +251,7 @@ mod tests {
 
     #[test]
     fn an_open_wall_does_not_close() {
-        let wall = sides(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], false, 1.0, Color::default());
+        let wall = sides(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], false, [0.0, 1.0], Color::default());
         assert_eq!(wall.indices.len(), 2 * 6);
     }
 

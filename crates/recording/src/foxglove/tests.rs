@@ -18,7 +18,7 @@ fn world() -> v1::DescribeWorldResponse {
         sensor: name.into(),
         kind: kind.into(),
         components: vec![component(count)],
-        mount: Some(v1::Mount { x_m: 0.1, y_m: 0.0, heading_rad: 0.0, turret }),
+        mount: Some(v1::Mount { x_m: 0.1, y_m: 0.0, heading_rad: 0.0, turret, elevation_rad: None }),
         counts_per_turn: (kind == SensorKind::Encoders).then_some(100),
         ..v1::SensorDescription::default()
     };

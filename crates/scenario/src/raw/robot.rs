@@ -97,6 +97,28 @@ pub(crate) struct Start {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Part {
+    /// Corners in the robot's frame; the outline must not cross itself. Type: list of `[x, y]`. Default: this or
+    /// `radius_m`. Range: 3 to 4096 points; each −10^6 to 10^6.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Corners>", length(min = 3, max = 4096)))]
+    pub(crate) outline_m: Option<Vec<[f64; 2]>>,
+    /// Radius of a disc. Default: this or `outline_m`.
+    pub(crate) radius_m: Option<Number<Length>>,
+    /// Centre of a disc, forwards of the robot's centre. Default: 0.0.
+    pub(crate) x_m: Option<Number<Coordinate>>,
+    /// Centre of a disc, to the left of the robot's centre. Default: 0.0.
+    pub(crate) y_m: Option<Number<Coordinate>>,
+    /// Height at which it begins. Default: the floor. Range: 10^−6 to `height_m`.
+    pub(crate) lower_edge_m: Option<Number<Length>>,
+    /// Height at which it ends. Default: unlimited.
+    pub(crate) height_m: Option<Number<Length>>,
+    /// Colour for cameras of other robots. Type: `[red, green, blue]`. Default: the body's. Range: each 0 to 255.
+    pub(crate) color: Option<[u8; 3]>,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Body {
     /// Radius of a round body. Default: this or `outline_m`.
     pub(crate) radius_m: Option<Number<Length>>,
@@ -110,6 +132,9 @@ pub(crate) struct Body {
     /// Colour of the body for cameras of other robots. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range:
     /// each 0 to 255.
     pub(crate) color: Option<[u8; 3]>,
+    /// Parts of the body that sensors of other robots see: `[[robots.body.parts]]`. Default: none. Range: at most 64.
+    #[serde(default)]
+    pub(crate) parts: Vec<Part>,
     /// Mass M of Eq. (2.31).
     pub(crate) mass_kg: Number<Positive>,
     /// Moment of inertia about the vertical axis, Eq. (2.32).

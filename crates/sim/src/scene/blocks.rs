@@ -77,7 +77,7 @@ impl Viewpoint<'_> {
         let pillars = arena.pillars().iter();
         let pillars =
             pillars.map(|pillar| Block { outline: Outline::Disc(pillar.circle), look: pillar.look });
-        let others = frozen.bodies.iter().enumerate().filter(|&(i, _)| i != self.scene.own);
+        let others = frozen.bodies.iter().enumerate().filter(|&(i, _)| !frozen.is_of(i, self.scene.own));
         let bodies = others.map(|(_, figure)| Block {
             outline: if figure.outline.is_empty() {
                 Outline::Disc(figure.disc)

@@ -4,13 +4,28 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, Ray, Segment, Vector, polygon};
 
-use super::Figure;
+use super::{Figure, Frozen, RayHit, What};
 use crate::arena::{Height, Look};
 
 impl Default for Figure {
     fn default() -> Self {
         let disc = Circle { center: Point::origin(), radius: 0.0 };
         Self { disc, outline: Vec::new(), look: Look::WALL }
+    }
+}
+
+impl Frozen {
+    /// Whether this body is the robot, or a part of it.
+    pub(crate) fn is_of(&self, body: usize, robot: usize) -> bool {
+        body == robot || body >= self.first_part && self.carriers.get(body - self.first_part) == Some(&robot)
+    }
+
+    /// Whether the ray met the robot.
+    pub(crate) fn is_hit(&self, hit: &RayHit, robot: usize) -> bool {
+        match hit.what {
+            What::Fixed(_) => false,
+            What::Figure(body) => self.is_of(body, robot),
+        }
     }
 }
 

@@ -34,10 +34,14 @@ pub(crate) struct Figure {
     pub(crate) look: Look,
 }
 
-/// All that is frozen. The robots come first among the bodies, in their order.
+/// All that is frozen. The robots come first among the bodies, in their order, and the parts of robots last.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Frozen {
     pub(crate) bodies: Vec<Figure>,
+    /// The place of the first part among the bodies.
+    pub(crate) first_part: usize,
+    /// The robot of each part.
+    pub(crate) carriers: Vec<usize>,
     /// The bodies' discs, by their places among them.
     pub(crate) crowd: Crowd,
     pub(crate) lights: Vec<Lit>,
@@ -237,7 +241,7 @@ impl Viewpoint<'_> {
     fn bodies(&self, around: &Circle, mut visit: impl FnMut(usize, &Figure)) {
         let Frozen { bodies, crowd, .. } = self.scene.frozen;
         crowd.near(around, |i| {
-            if i != self.scene.own && self.sees(&bodies[i]) {
+            if !self.scene.frozen.is_of(i, self.scene.own) && self.sees(&bodies[i]) {
                 visit(i, &bodies[i]);
             }
         });

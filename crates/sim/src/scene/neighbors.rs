@@ -56,7 +56,7 @@ impl Neighbors {
         });
         frozen.crowd.near(&around, |i| {
             let disc = &frozen.crowd.discs()[i];
-            let (i, is_own) = (i as u32, i == own);
+            let (i, is_own) = (i as u32, frozen.is_of(i, own));
             if !is_own && widened(&around, disc.center).overlaps_circle(disc) && !bodies.contains(&i) {
                 overflows |= bodies.try_push(i).is_err();
             }

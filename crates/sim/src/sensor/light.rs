@@ -109,8 +109,10 @@ pub(super) fn illuminance(at: &Measurement<'_>, mount: &Mount, opening_rad: f64)
             let ray = Ray { origin: pose.position, direction: bearing };
             let hit = mount.look(at, &pose, along).see(&ray);
             // A robot's body does not shade its own lamp.
-            let carrier = lamp.robot.map(crate::scene::What::Figure);
-            hit.is_some_and(|hit| Some(hit.what) != carrier && hit.distance_m < along)
+            let is_carrier = |hit: &crate::scene::RayHit| {
+                lamp.robot.is_some_and(|robot| at.scene.frozen.is_hit(hit, robot))
+            };
+            hit.is_some_and(|hit| !is_carrier(&hit) && hit.distance_m < along)
         };
         if !shaded {
             let distance2 = (along * along + up * up).max(NEAREST_M * NEAREST_M);

@@ -6,11 +6,12 @@ use baudbot_geometry::{Circle, Pose};
 use super::World;
 use crate::actuator::{ActuatorKind, Lamp, Speaker};
 use crate::arena::Look;
+use crate::model::Part;
 use crate::movable::Form;
 use crate::scenario::Scenario;
 use crate::scene::{Figure, Frozen, Scene, Sound};
 use crate::sensor::is_heard;
-use crate::surroundings::Lit;
+use crate::surroundings::{Lit, Region};
 use crate::trail::Trails;
 
 impl World {
@@ -31,15 +32,15 @@ impl World {
         let movables = movables.map(|(movable, state)| (movable.shape.form(), &state.pose, movable.look));
         let mut count = 0;
         for (form, pose, look) in robots.chain(movers).chain(movables) {
-            match frozen.bodies.get_mut(count) {
-                Some(body) => body.take(&form, pose, look),
-                None => {
-                    let mut body = Figure::default();
-                    body.take(&form, pose, look);
-                    frozen.bodies.push(body);
-                }
+            frozen.next(&mut count).take(&form, pose, look);
+        }
+        (frozen.first_part, count) = (count, count);
+        frozen.carriers.clear();
+        for (i, (robot, spec)) in self.state.robots.iter().zip(&scenario.robots).enumerate() {
+            for part in &spec.parts {
+                frozen.next(&mut count).take_part(part, &robot.motion.pose);
+                frozen.carriers.push(i);
             }
-            count += 1;
         }
         frozen.bodies.truncate(count);
         frozen.crowd.rebuild(frozen.bodies.iter().map(|body| body.disc));
@@ -81,7 +82,29 @@ impl World {
     }
 }
 
+impl Frozen {
+    /// The next body, in memory that has been used before if there is some.
+    fn next(&mut self, count: &mut usize) -> &mut Figure {
+        if *count == self.bodies.len() {
+            self.bodies.push(Figure::default());
+        }
+        *count += 1;
+        &mut self.bodies[*count - 1]
+    }
+}
+
 impl Figure {
+    /// Becomes this part of a robot.
+    fn take_part(&mut self, part: &Part, pose: &Pose) {
+        match &part.outline {
+            Region::Polygon(points) => self.take(&Form::Polygon(points), pose, part.look),
+            Region::Disc(disc) => {
+                self.take(&Form::Disc { radius_m: disc.radius }, pose, part.look);
+                self.disc.center += pose.direction().apply(disc.center.coords);
+            }
+        }
+    }
+
     /// Becomes this body.
     fn take(&mut self, form: &Form<'_>, pose: &Pose, look: Look) {
         self.outline.clear();

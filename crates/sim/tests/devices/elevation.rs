@@ -1,9 +1,10 @@
 //! Rays with an elevation, and things with a lower edge (§3.2.3): against a ray in three dimensions by other means than the world's.
 
+use baudbot_sim::raycast::RayCaster;
 use proptest::prelude::*;
 
 use crate::common::refusal;
-use crate::devices::scene::{block, near, single, wall, with_sensor};
+use crate::devices::scene::{block, first, near, single, wall, with_sensor};
 
 /// A box or a cylinder with a vertical axis, between two heights.
 #[derive(Clone, Debug)]
@@ -109,6 +110,118 @@ proptest! {
     }
 }
 
+/// A part of a robot's body, in the robot's frame: within a metre of its centre.
+fn part() -> impl Strategy<Value = Body> {
+    let place = (-0.45..0.45_f64, -0.45..0.45_f64, 0.02..0.2_f64, 0.02..0.2_f64);
+    let heights = (prop_oneof![Just(0.0), 0.05..1.0_f64], 0.01..1.0_f64);
+    (place, heights, any::<bool>()).prop_map(|((x, y, w, d), (lower, more), is_box)| {
+        let shape = if is_box { Shape::Box([x - w, y - d, x + w, y + d]) } else { Shape::Disc([x, y, w]) };
+        Body { shape, heights_m: [lower, lower + more] }
+    })
+}
+
+/// Its corners, or its centre, in the world.
+fn placed(shape: &Shape, [x, y, heading]: [f64; 3]) -> Vec<[f64; 2]> {
+    let corners = match *shape {
+        Shape::Box([x0, y0, x1, y1]) => vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]],
+        Shape::Disc([x, y, _]) => vec![[x, y]],
+    };
+    let (sin, cos) = heading.sin_cos();
+    corners.into_iter().map(|[px, py]| [x + cos * px - sin * py, y + sin * px + cos * py]).collect()
+}
+
+/// What reaches from which height to which, as fields.
+fn heights(body: &Body) -> String {
+    let [lower, upper] = body.heights_m;
+    let edge = if lower > 0.0 { format!("lower_edge_m = {lower:?}\n") } else { String::new() };
+    format!("height_m = {upper:?}\n{edge}")
+}
+
+const OTHER: &str =
+    "radius_m = 0.5\nheight_m = 0.2\nmass_kg = 3.0\ninertia_kg_m2 = 0.2\nwheel_radius_m = 0.1\n";
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// The oracle is a world in which the robot's body and its parts are things of the arena.
+    #[test]
+    fn parts_of_a_body_are_seen_as_things_of_the_same_shapes(
+        parts in prop::collection::vec(part(), 1..6),
+        z in 0.0..1.5_f64,
+        (far, angle, turn) in (1.3..3.0_f64, -3.1..3.1_f64, -3.1..3.1_f64),
+        spread in -0.3..0.3_f64,
+        elevation in prop_oneof![Just(None), (-0.6..0.6_f64).prop_map(Some)],
+        kind in 0..3_usize,
+    ) {
+        let pose = [far * angle.cos(), far * angle.sin(), turn];
+        let rising = elevation.map_or(String::new(), |elevation| format!("elevation_rad = {elevation:?}\n"));
+        let place =
+            format!("mount = {{ heading_rad = {:?} }}\nheight_m = {z:?}\n", angle + spread);
+        let sensor = match kind {
+            0 => format!("kind = \"sonar\"\n{place}{rising}opening_rad = 0.2\nrays = 5\nmin_m = 0.0\nmax_m = 5.0"),
+            1 => format!("kind = \"laser\"\n{place}{rising}opening_rad = 0.6\nrays = 31\nrange_m = 5.0"),
+            _ => format!("kind = \"camera\"\n{place}opening_rad = 0.6\ncolumns = 24\nrows = 16\nrange_m = 5.0\nperiod_ms = 1000.0\nport = {{ link = {{ kind = \"ideal\" }} }}"),
+        };
+        let start = format!("start = {{ x_m = {:?}, y_m = {:?}, heading_rad = {turn:?} }}", pose[0], pose[1]);
+        let other = format!("[[robots]]\nname = \"s\"\n{start}\n[robots.body]\n{OTHER}");
+        let own: String = parts.iter().map(|part| {
+            let shape = match part.shape {
+                Shape::Disc([x, y, r]) => format!("x_m = {x:?}\ny_m = {y:?}\nradius_m = {r:?}\n"),
+                Shape::Box(_) => format!("outline_m = {:?}\n", placed(&part.shape, [0.0; 3])),
+            };
+            format!("[[robots.body.parts]]\n{shape}{}", heights(part))
+        }).collect();
+        let things: String = parts.iter().enumerate().map(|(i, part)| {
+            let corners = placed(&part.shape, pose);
+            let (table, shape) = match part.shape {
+                Shape::Disc([_, _, r]) => {
+                    let [x, y] = corners[0];
+                    ("circles", format!("x_m = {x:?}\ny_m = {y:?}\nradius_m = {r:?}"))
+                }
+                Shape::Box(_) => ("polygons", format!("points_m = {corners:?}")),
+            };
+            format!("[[arena.{table}]]\nname = \"p{i}\"\n{shape}\n{}", heights(part))
+        }).collect();
+        let with_parts = first(&(with_sensor("", &sensor) + &other + &own));
+        let body = format!("[[arena.circles]]\nname = \"body\"\nx_m = {:?}\ny_m = {:?}\nradius_m = 0.5\nheight_m = 0.2\n", pose[0], pose[1]);
+        let with_things = first(&with_sensor(&(body + &things), &sensor));
+        prop_assert_eq!(with_parts.len(), with_things.len());
+        for (i, (a, b)) in with_parts.iter().zip(&with_things).enumerate() {
+            prop_assert!((a - b).abs() < 1e-9, "value {}: {} and {}", i, a, b);
+        }
+    }
+}
+
+/// A robot with these parts, and the sonar `s` half a metre above the floor.
+fn with_parts(parts: &str, top: &str) -> String {
+    with_sensor(top, &sonar(0.5, "")).replacen("body = {", &format!("body = {{ parts = [{parts}],"), 1)
+}
+
+/// A mast is seen above the body, by others only, and is run into by nobody.
+#[test]
+fn a_mast_is_seen_above_its_body_and_hinders_nobody() {
+    let mast = |x_m: f64| {
+        format!("[[robots.body.parts]]\nx_m = {x_m:?}\nradius_m = 0.05\nlower_edge_m = 0.2\nheight_m = 0.8\n")
+    };
+    let other = |parts: &str| {
+        format!("[[robots]]\nname = \"s\"\nstart = {{ x_m = 1.0 }}\n[robots.body]\n{OTHER}{parts}")
+    };
+    let read =
+        |height_m, parts: &str| single(&(with_sensor(&wall(3.0), &sonar(height_m, "")) + &other(parts)));
+    near(read(0.5, ""), 3.0);
+    near(read(0.5, &mast(0.0)), 0.95);
+    near(read(0.1, &mast(0.0)), 0.5);
+    near(read(0.9, &mast(0.0)), 3.0);
+    // Its own mast, before its eye, hides nothing from a robot.
+    near(single(&with_parts("{ x_m = 0.1, radius_m = 0.05 }", &wall(3.0))), 3.0);
+    // An arm that reaches through the other robot.
+    let arm = "[[robots.body.parts]]\noutline_m = [[-0.95, -0.02], [0.0, -0.02], [0.0, 0.02], [-0.95, 0.02]]\nlower_edge_m = 0.1\n";
+    let mut world = crate::common::world(&(with_sensor("", &sonar(0.5, "")) + &other(arm)));
+    world.begin();
+    world.finish(&[]);
+    assert!(world.robots().all(|robot| !robot.collided()));
+}
+
 /// A table of 0.7 m whose plate is 0.05 m thick, one metre ahead.
 fn table() -> String {
     block("table", [1.0, -0.5, 2.0, 0.5], "height_m = 0.7\nlower_edge_m = 0.65")
@@ -135,6 +248,24 @@ fn a_sonar_sees_under_a_table() {
     near(read(0.8, &format!("elevation_rad = {down:?}\n")), 0.1_f64.hypot(1.2));
 }
 
+/// Pictures and pages show rays from above.
+#[test]
+fn a_ray_that_is_cast_runs_along_the_floor() {
+    let up_rad = 0.35_f64.atan2(1.5);
+    let sensor = sonar(0.3, &format!("elevation_rad = {up_rad:?}\n"));
+    let cast = |top: &str| {
+        let world = crate::common::world(&with_sensor(top, &sensor));
+        let spec = world.robot(0).spec().clone();
+        RayCaster::new(&world).sees(0, &spec.sensors[0])[0]
+    };
+    near(cast(&table()).distance_m.unwrap(), 1.5);
+    near(cast(&table()).length_m(), 1.5);
+    let free = cast("");
+    assert_eq!(free.distance_m, None);
+    near(free.length_m(), 4.0 * up_rad.cos());
+    near(free.end().x, 4.0 * up_rad.cos());
+}
+
 /// §3.2.3, elevation: an IR sensor that looks down tells the floor from an edge, by (3.13) with the length of its rays.
 #[test]
 fn other_ray_sensors_look_down_to_the_floor() {
@@ -158,6 +289,17 @@ fn a_wrong_elevation_is_refused() {
         &with_sensor("", &sonar(0.3, "elevation_rad = 1.6\n")),
         "elevation_rad: must be between -1.5 and 1.5, is 1.6",
     );
+    let part = |part: &str| with_parts(part, "");
+    refused(&part("{ height_m = 0.5 }"), "robots[0].body.parts[0]: needs either `outline_m`, or `radius_m`");
+    refused(
+        &part("{ radius_m = 0.3, x_m = 0.2 }"),
+        "robots[0].body.parts[0]: reaches 0.5 m from the robot's centre, and may reach 0.4 m",
+    );
+    refused(
+        &part("{ radius_m = 0.1, height_m = 0.1, lower_edge_m = 0.2 }"),
+        "robots[0].body.parts[0].lower_edge_m: must be at most `height_m`, 0.1, is 0.2",
+    );
+    refused(&part(&"{ radius_m = 0.1 }, ".repeat(65)), "robots[0].body.parts: there are 65, the limit is 64");
     refused(
         &with_sensor("", &format!("{}\nwall_range_m = 5.0", sonar(0.3, "elevation_rad = 0.1\n"))),
         "elevation_rad: not with `wall_range_m`",

@@ -768,6 +768,7 @@ class Mount(_message.Message):
     Y_M_FIELD_NUMBER: _builtins.int
     HEADING_RAD_FIELD_NUMBER: _builtins.int
     TURRET_FIELD_NUMBER: _builtins.int
+    ELEVATION_RAD_FIELD_NUMBER: _builtins.int
     x_m: _builtins.float
     """x coordinate in metres, positive forwards."""
     y_m: _builtins.float
@@ -778,6 +779,8 @@ class Mount(_message.Message):
     """Index, in RobotDescription.actuators, of the turret that carries the sensor and turns about the robot's centre.
     Absent if the sensor is fixed to the robot.
     """
+    elevation_rad: _builtins.float
+    """Angle by which the rays rise above the plane of the floor, in radians. Absent if they are level."""
     def __init__(
         self,
         *,
@@ -785,13 +788,19 @@ class Mount(_message.Message):
         y_m: _builtins.float = ...,
         heading_rad: _builtins.float = ...,
         turret: _builtins.int | None = ...,
+        elevation_rad: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_turret", b"_turret", "turret", b"turret"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_elevation_rad", b"_elevation_rad", "_turret", b"_turret", "elevation_rad", b"elevation_rad", "turret", b"turret"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_turret", b"_turret", "heading_rad", b"heading_rad", "turret", b"turret", "x_m", b"x_m", "y_m", b"y_m"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_elevation_rad", b"_elevation_rad", "_turret", b"_turret", "elevation_rad", b"elevation_rad", "heading_rad", b"heading_rad", "turret", b"turret", "x_m", b"x_m", "y_m", b"y_m"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__elevation_rad: _TypeAlias = _typing.Literal["elevation_rad"]  # noqa: Y015
+    _WhichOneofArgType__elevation_rad: _TypeAlias = _typing.Literal["_elevation_rad", b"_elevation_rad"]  # noqa: Y015
     _WhichOneofReturnType__turret: _TypeAlias = _typing.Literal["turret"]  # noqa: Y015
     _WhichOneofArgType__turret: _TypeAlias = _typing.Literal["_turret", b"_turret"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__elevation_rad) -> _WhichOneofReturnType__elevation_rad | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__turret) -> _WhichOneofReturnType__turret | None: ...
 
 Global___Mount: _TypeAlias = Mount  # noqa: Y015

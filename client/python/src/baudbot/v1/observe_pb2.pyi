@@ -363,6 +363,7 @@ class Look(_message.Message):
     RED_FIELD_NUMBER: _builtins.int
     GREEN_FIELD_NUMBER: _builtins.int
     BLUE_FIELD_NUMBER: _builtins.int
+    LOWER_EDGE_M_FIELD_NUMBER: _builtins.int
     height_m: _builtins.float
     """Height of the top above the floor, in metres. Absent if the body is higher than any sensor."""
     red: _builtins.int
@@ -371,6 +372,8 @@ class Look(_message.Message):
     """Green component of the colour, 0 to 255."""
     blue: _builtins.int
     """Blue component of the colour, 0 to 255."""
+    lower_edge_m: _builtins.float
+    """Height above the floor at which the body begins, in metres: 0 if it stands on the floor."""
     def __init__(
         self,
         *,
@@ -378,10 +381,11 @@ class Look(_message.Message):
         red: _builtins.int = ...,
         green: _builtins.int = ...,
         blue: _builtins.int = ...,
+        lower_edge_m: _builtins.float = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_height_m", b"_height_m", "height_m", b"height_m"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_height_m", b"_height_m", "blue", b"blue", "green", b"green", "height_m", b"height_m", "red", b"red"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_height_m", b"_height_m", "blue", b"blue", "green", b"green", "height_m", b"height_m", "lower_edge_m", b"lower_edge_m", "red", b"red"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__height_m: _TypeAlias = _typing.Literal["height_m"]  # noqa: Y015
     _WhichOneofArgType__height_m: _TypeAlias = _typing.Literal["_height_m", b"_height_m"]  # noqa: Y015
@@ -687,6 +691,7 @@ class ObservedRobot(_message.Message):
     DESCRIPTION_FIELD_NUMBER: _builtins.int
     DEADLINE_NS_FIELD_NUMBER: _builtins.int
     PINS_FIELD_NUMBER: _builtins.int
+    PARTS_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Name of the robot."""
     radius_m: _builtins.float
@@ -719,6 +724,10 @@ class ObservedRobot(_message.Message):
     def pins(self) -> _containers.RepeatedCompositeFieldContainer[Global___PinSignal]:
         """Signals on the pins of its chip. Empty if its microcontroller does not run the user's own program."""
 
+    @_builtins.property
+    def parts(self) -> _containers.RepeatedCompositeFieldContainer[Global___BodyPart]:
+        """Parts of the body that others' sensors see, such as a mast. Nothing collides with them."""
+
     def __init__(
         self,
         *,
@@ -731,14 +740,45 @@ class ObservedRobot(_message.Message):
         description: _brain_link_pb2.RobotDescription | None = ...,
         deadline_ns: _builtins.int = ...,
         pins: _abc.Iterable[Global___PinSignal] | None = ...,
+        parts: _abc.Iterable[Global___BodyPart] | None = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["description", b"description", "look", b"look"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["actuators", b"actuators", "deadline_ns", b"deadline_ns", "description", b"description", "look", b"look", "outline", b"outline", "pins", b"pins", "radius_m", b"radius_m", "robot", b"robot", "sensor_columns", b"sensor_columns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["actuators", b"actuators", "deadline_ns", b"deadline_ns", "description", b"description", "look", b"look", "outline", b"outline", "parts", b"parts", "pins", b"pins", "radius_m", b"radius_m", "robot", b"robot", "sensor_columns", b"sensor_columns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___ObservedRobot: _TypeAlias = ObservedRobot  # noqa: Y015
+
+@_typing.final
+class BodyPart(_message.Message):
+    """Part of a robot's body between two heights."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    OUTLINE_FIELD_NUMBER: _builtins.int
+    LOOK_FIELD_NUMBER: _builtins.int
+    @_builtins.property
+    def outline(self) -> Global___Outline:
+        """Shape of the part in the robot frame."""
+
+    @_builtins.property
+    def look(self) -> Global___Look:
+        """Heights and colour."""
+
+    def __init__(
+        self,
+        *,
+        outline: Global___Outline | None = ...,
+        look: Global___Look | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["look", b"look", "outline", b"outline"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["look", b"look", "outline", b"outline"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___BodyPart: _TypeAlias = BodyPart  # noqa: Y015
 
 @_typing.final
 class PinSignal(_message.Message):
@@ -1378,7 +1418,9 @@ class RayFan(_message.Message):
     """
     @_builtins.property
     def lengths_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
-        """Length of each ray up to the body that it hits, in metres; if it hits nothing, the range of the sensor."""
+        """Length of each ray up to the body that it hits, in metres; if it hits nothing, the range of the sensor. Of rays with an
+        elevation it is the length along the floor.
+        """
 
     def __init__(
         self,
