@@ -1,6 +1,7 @@
 //! Lists the scenarios, experiments and exercises of this repository, so that an installed program has them all.
 //!
-//! Experiments that start a program are left out, as it would have to be installed, too; they work from a copy of the repository.
+//! Experiments that start a program are left out, as it would have to be installed, too; they work from a copy of the repository. The page,
+//! which is built for wasm32 and has neither experiments nor exercises, has none of their texts.
 //!
 //! The result is `embedded.rs` in the build's folder: four lists of names and contents. A scenario is called by its path below
 //! `catalogue/scenarios/` without `.toml`, an experiment by its path below `catalogue/experiments/`, an exercise by its name in `catalogue/exercises/`, a program of a microcontroller by its path below `catalogue/scenarios/`.
@@ -28,6 +29,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Folders below have brains.
     exercise_files.retain(|path| path.parent() == Some(&exercises));
     collect(&root.join("scenarios"), "hex", &mut programs)?;
+    if env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|arch| arch == "wasm32") {
+        (own, exercise_files) = (Vec::new(), Vec::new());
+    }
     let mut code = String::new();
     list(&mut code, "SCENARIOS", "str", &root.join("scenarios"), &scenarios, ".toml")?;
     list(&mut code, "EXPERIMENTS", "str", &root.join("experiments"), &own, ".toml")?;
