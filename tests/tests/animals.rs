@@ -179,9 +179,14 @@ fn two_needs_are_met_by_turns_where_a_change_has_a_price() {
     let (changes, death) = waterhole("waterhole", 300);
     assert!(death.is_none() && (4..20).contains(&changes), "{changes} {death:?}");
     let (changes, death) = waterhole("waterhole:decision.change_cost=0", 300);
-    assert!(death.is_some(), "it leaves as soon as the other need is greater: {changes}");
+    assert_eq!(
+        death.as_deref(),
+        Some("dead, by thirst"),
+        "it leaves as soon as the other need is greater: {changes}"
+    );
     let (changes, death) = waterhole("waterhole:decision.change_cost=0.9", 300);
-    assert!(death.is_some() && changes < 4, "{changes} {death:?}");
+    assert_eq!(death.as_deref(), Some("dead, by hunger"), "it stays at the water");
+    assert!(changes < 4, "{changes}");
 }
 
 const NEST: &str = include_str!("../../catalogue/scenarios/nest.toml");
