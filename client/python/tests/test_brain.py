@@ -136,6 +136,22 @@ class Turns(unittest.TestCase):
             arrived.value("irr")
 
 
+class Beliefs(unittest.TestCase):
+    def test_a_motivational_state_has_its_weights_in_the_order_of_its_variables(self):
+        hunger = baudbot.Variable("hunger", 0.4, lethal_above=1.0)
+        smell = baudbot.Variable("smell", 0.1, internal=False)
+        eat = baudbot.Tendency("eat", bias=-0.5, weights={"smell": 2.0})
+        message = baudbot.Belief(variables=[hunger, smell], tendencies=[eat]).message()
+        first, second = message.motivation.variables
+        self.assertEqual((first.name, first.value, first.internal, first.lethal_above), ("hunger", 0.4, True, 1.0))
+        self.assertFalse(first.HasField("lethal_below") or second.HasField("lethal_above") or second.internal)
+        self.assertEqual(list(message.motivation.tendencies[0].weights), [0.0, 2.0])
+        self.assertFalse(baudbot.Belief().message().HasField("motivation"))
+        wrong = baudbot.Belief(variables=[hunger], tendencies=[baudbot.Tendency("eat", weights={"hungry": 1.0})])
+        with self.assertRaisesRegex(ValueError, "there is no variable `hungry` of the tendency to `eat`.*hunger"):
+            wrong.message()
+
+
 class Waiting(unittest.TestCase):
     def test_without_news_a_brain_is_asked_only_when_its_patience_is_over(self):
         session = Session(welcome(), Follow)

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 from . import aio
 from .attach import Summary, attach
-from .beliefs import Belief, GridMap
+from .beliefs import Belief, GridMap, Tendency, Variable
 from .body import Body, Component, Sensor
 from .brain import Brain, RawBrain
 from .client import Client
@@ -96,9 +96,11 @@ __all__ = [
     "ServedWorld",
     "Summary",
     "Taken",
+    "Tendency",
     "Trainer",
     "Turn",
     "Untrusted",
+    "Variable",
     "aio",
     "attach",
     "drive",

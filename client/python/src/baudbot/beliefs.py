@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from .names import unknown
 from .v1 import brain_link_pb2 as pb
 
 
@@ -24,6 +25,29 @@ class GridMap:
 
 
 @dataclass(slots=True)
+class Variable:
+    """A variable of a brain's motivational state (§4.4.4 of the notes)."""
+
+    name: str
+    value: float
+    #: Such as hunger; False for what is sensed.
+    internal: bool = True
+    #: The values at and beyond which the robot dies.
+    lethal_below: float | None = None
+    lethal_above: float | None = None
+
+
+@dataclass(slots=True)
+class Tendency:
+    """The tendency to a behaviour: the bias, and the weighted sum of the variables."""
+
+    behavior: str
+    bias: float = 0.0
+    #: By the names of the variables; 0 for those that are left out.
+    weights: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
 class Belief:
     """What a brain believes and does, in coordinates of the world as it believes them to be. All parts may be left out."""
 
@@ -40,6 +64,10 @@ class Belief:
     #: The name of the active behaviour, among the utilities.
     active: str = ""
     map: GridMap | None = None
+    #: The motivational state, by which behaviours are chosen.
+    variables: Sequence[Variable] = ()
+    #: What follows from the variables.
+    tendencies: Sequence[Tendency] = ()
 
     def message(self) -> pb.Belief:
         """As the contract has it."""
@@ -60,4 +88,34 @@ class Belief:
             message.map.CopyFrom(
                 pb.GridMap(x_m=grid.x_m, y_m=grid.y_m, cell_m=grid.cell_m, columns=grid.columns, cells=grid.cells)
             )
+        if self.variables or self.tendencies:
+            message.motivation.CopyFrom(self._motivation())
         return message
+
+    def _motivation(self) -> pb.Motivation:
+        names = [variable.name for variable in self.variables]
+        for tendency in self.tendencies:
+            for name in tendency.weights:
+                if name not in names:
+                    where = f" of the tendency to `{tendency.behavior}`"
+                    raise ValueError(unknown("variable", name, names, where))
+        return pb.Motivation(
+            variables=[
+                pb.StateVariable(
+                    name=variable.name,
+                    value=variable.value,
+                    internal=variable.internal,
+                    lethal_below=variable.lethal_below,
+                    lethal_above=variable.lethal_above,
+                )
+                for variable in self.variables
+            ],
+            tendencies=[
+                pb.Tendency(
+                    name=tendency.behavior,
+                    bias=tendency.bias,
+                    weights=[tendency.weights.get(name, 0.0) for name in names],
+                )
+                for tendency in self.tendencies
+            ],
+        )

@@ -43,6 +43,8 @@ class Sensor:
     y_m: float
     #: Where it looks, counter-clockwise from the robot's heading.
     heading_rad: float
+    #: How far its rays rise above the floor's plane; None if they are level.
+    elevation_rad: float | None
     #: None if it has no range.
     range_m: float | None
     #: The angle from the first of its rays to the last; None if it has no rays.
@@ -62,6 +64,7 @@ class Sensor:
             x_m=mount.x_m,
             y_m=mount.y_m,
             heading_rad=mount.heading_rad,
+            elevation_rad=mount.elevation_rad if mount.HasField("elevation_rad") else None,
             range_m=description.range_m if description.HasField("range_m") else None,
             opening_rad=description.opening_rad if description.HasField("opening_rad") else None,
             description=description,
