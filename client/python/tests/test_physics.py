@@ -166,5 +166,79 @@ class Images(unittest.TestCase):
         self.assertEqual(len(kinds), 8, "things, floor and sky")
 
 
+class Elevations(unittest.TestCase):
+    """§3.2.3: rays that rise or fall, by going along them in steps until they are in something."""
+
+    STEP, RANGE, RAYS = 0.002, 4.5, 8
+
+    def scene(self, dice):
+        """Random things with a lower and an upper edge, a robot with a mast, and eight sonars; and the scenario."""
+        texts, things = [], []
+
+        def heights():
+            lower = dice.choice([0.0, dice.uniform(0.05, 0.8)])
+            upper = lower + dice.uniform(0.05, 0.8)
+            return lower, upper, f"height_m = {upper}\n" + (f"lower_edge_m = {lower}\n" if lower else "")
+
+        def place(size):
+            far, angle = dice.uniform(size + 0.3, 2.5), dice.uniform(-math.pi, math.pi)
+            return far * math.cos(angle), far * math.sin(angle)
+
+        for number in range(5):
+            size = dice.uniform(0.05, 0.5)
+            (x, y), (lower, upper, look) = place(1.5 * size), heights()
+            if dice.random() < 0.5:
+                things.append((lambda px, py, x=x, y=y, r=size: (px - x) ** 2 + (py - y) ** 2 <= r * r, lower, upper))
+                texts.append(f"[[arena.circles]]\nname = \"disc{number}\"\nx_m = {x}\ny_m = {y}\nradius_m = {size}\n{look}")
+            else:
+                things.append((lambda px, py, x=x, y=y, r=size: max(abs(px - x), abs(py - y)) <= r, lower, upper))
+                corners = [[x - size, y - size], [x + size, y - size], [x + size, y + size], [x - size, y + size]]
+                texts.append(f"[[arena.polygons]]\nname = \"box{number}\"\npoints_m = {corners}\n{look}")
+        rays = [(dice.uniform(-math.pi, math.pi), dice.uniform(-1.2, 1.2), dice.uniform(0.0, 1.2)) for _ in range(self.RAYS)]
+        texts.append(f"[[robots]]\nname = \"looks\"\n{self.BODY}")
+        for number, (heading, elevation, height) in enumerate(rays):
+            texts.append(
+                f"[robots.sensors.s{number}]\nkind = \"sonar\"\nmount = {{ heading_rad = {heading} }}\nheight_m = {height}\n"
+                f"elevation_rad = {elevation}\nopening_rad = 0.0\nrays = 1\nmin_m = 0.0\nmax_m = {self.RANGE}\nperiod_ms = 10.0\n"
+            )
+        # In nothing's way: the mast alone is high, and stands where the first ray goes.
+        heading = rays[0][0]
+        x, y = 4.0 * math.cos(heading), 4.0 * math.sin(heading)
+        mast = (x - 0.6 * math.cos(heading), y - 0.6 * math.sin(heading))
+        things.append((lambda px, py: (px - mast[0]) ** 2 + (py - mast[1]) ** 2 <= 0.15**2, 0.1, 1.5))
+        things.append((lambda px, py: (px - x) ** 2 + (py - y) ** 2 <= 0.4**2, 0.0, 0.1))
+        body = self.BODY.replace("radius_m = 0.2", "radius_m = 0.4, height_m = 0.1, parts = [{ x_m = -0.6, radius_m = 0.15, lower_edge_m = 0.1, height_m = 1.5 }]")
+        texts.append(f"[[robots]]\nname = \"stands\"\nstart = {{ x_m = {x}, y_m = {y}, heading_rad = {heading} }}\n{body}")
+        return things, rays, "name = \"scene\"\nnoise = false\n" + "".join(texts)
+
+    BODY = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n"
+
+    def length(self, things, heading, elevation, height):
+        """How far a ray from the middle gets."""
+        u, v, w = math.cos(elevation) * math.cos(heading), math.cos(elevation) * math.sin(heading), math.sin(elevation)
+        for i in range(round(self.RANGE / self.STEP) + 1):
+            t = i * self.STEP
+            x, y, z = t * u, t * v, height + t * w
+            if z < 0 or any(lower <= z <= upper and inside(x, y) for inside, lower, upper in things):
+                return t
+        return self.RANGE
+
+    def test_a_hundred_random_scenes_ray_by_ray(self):
+        dice = random.Random(2)
+        met = 0
+        with TemporaryDirectory() as folder:
+            for number in range(100):
+                things, rays, text = self.scene(dice)
+                path = Path(folder, "scene.toml")
+                path.write_text(text)
+                rows = table(path, "--brain", "constant:left=0,right=0", "--seconds", "0.3")
+                row = [row for row in rows if "s7" in row][-1]
+                for i, ray in enumerate(rays):
+                    expected = self.length(things, *ray)
+                    met += expected < self.RANGE
+                    self.assertAlmostEqual(row[f"s{i}"], expected, delta=1.5 * self.STEP, msg=f"scene {number}, ray {i}:\n{text}")
+        self.assertGreater(met, 400)
+
+
 if __name__ == "__main__":
     unittest.main()
