@@ -71,7 +71,10 @@ impl Sight {
         for i in chosen(parameters, body)? {
             let sensor = &body.sensors[i];
             let problem = || {
-                let problem = format_args!("sensor `{}` has no range, or no place on the body", sensor.name);
+                let problem = format_args!(
+                    "sensor `{}` has no range, no place on the body, or rays that are not level",
+                    sensor.name
+                );
                 ParameterError::value("sight", problem)
             };
             fixed(sensor).ok_or_else(problem)?;

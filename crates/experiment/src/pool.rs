@@ -30,9 +30,9 @@ pub struct Workers {
     name: String,
     /// The time by the wall clock in which a program has to answer.
     brain_timeout: Duration,
-    /// Those that nobody uses now.
+    /// Connections that no run uses now, with their processes.
     idle: Mutex<Vec<Remote>>,
-    /// Here, and so dropped last: the connections are to it.
+    /// The server for programs, if the user names none. It is dropped after `idle`, whose connections are to it.
     private: Mutex<Option<PrivateServer>>,
 }
 

@@ -55,7 +55,7 @@ fn parts(path: &Path, raw: &raw::Body, radius_m: f64) -> Result<Vec<Part>> {
         let problem = format!("there are {}, the limit is {MAX_PARTS}", raw.parts.len());
         return Err(path.field("parts").error(problem));
     }
-    shapes::each(path, "parts", &raw.parts, |path, part| {
+    let parts = shapes::each(path, "parts", &raw.parts, |path, part| {
         let at = |number: Option<Number<Coordinate>>| number.unwrap_or_default();
         let outline = match (&part.outline_m, part.radius_m, part.x_m.or(part.y_m)) {
             (Some(corners), None, None) => {
@@ -73,8 +73,18 @@ fn parts(path: &Path, raw: &raw::Body, radius_m: f64) -> Result<Vec<Part>> {
         }
         let look = shapes::look(part.height_m, part.color.or(raw.color));
         Ok(Part { outline, look: shapes::raised(look, path, part.lower_edge_m)? })
-    })
+    })?;
+    // Each tick has the corners of each robot's parts in the world.
+    let corners: usize = raw.parts.iter().filter_map(|part| Some(part.outline_m.as_ref()?.len())).sum();
+    if corners > MAX_CORNERS {
+        let problem = format!("have {corners} corners together, the limit is {MAX_CORNERS}");
+        return Err(path.field("parts").error(problem));
+    }
+    Ok(parts)
 }
 
 /// Most parts of one body.
 const MAX_PARTS: usize = 64;
+
+/// Most corners of all of them, as many as a body may have.
+const MAX_CORNERS: usize = 4096;

@@ -91,6 +91,10 @@ fn model_parts(model: &RobotModel, seen: &mut Seen) -> usize {
         if is_new { SHARED + size_of::<ChipSpec>() + chip.heap_bytes() } else { 0 }
     });
     elements(&model.outline)
+        + list(&model.parts, |part| match &part.outline {
+            Region::Disc(_) => 0,
+            Region::Polygon(points) => elements(points),
+        })
         + list(&model.actuators, |actuator| actuator.name.capacity())
         + elements(&model.faults)
         + Firmware::heap_bytes(&model.firmware)

@@ -47,8 +47,10 @@ impl ExploreFloor {
             }
         }
         let no_laser = || {
-            let problem =
-                format!("robot `{}` has no sensor of kind `laser` that sits on its body", body.name);
+            let problem = format!(
+                "robot `{}` has no sensor of kind `laser` with level rays that sits on its body",
+                body.name
+            );
             ParameterError::Other(problem)
         };
         let laser = scout::laser(body).ok_or_else(no_laser)?;

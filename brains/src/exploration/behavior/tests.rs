@@ -86,5 +86,5 @@ fn what_makes_no_sense_is_refused() {
     assert!(refused("metod = 1").contains("unknown field `metod`"), "{}", refused("metod = 1"));
     let blind = body(&[("odometer", "odometer", 0.0)]);
     let refused = ExploreFloor::new(Parameters::default(), &blind).err().unwrap().to_string();
-    assert_eq!(refused, "robot `alice` has no sensor of kind `laser` that sits on its body");
+    assert_eq!(refused, "robot `alice` has no sensor of kind `laser` with level rays that sits on its body");
 }

@@ -47,7 +47,9 @@ impl Felt {
         for name in &parameters.names {
             if !eyes.iter().any(|eye| body.sensors[eye.sensor].name == *name) {
                 let robot = &body.name;
-                let problem = format_args!("robot `{robot}` has no sonar or ir called `{name}` on its body");
+                let problem = format_args!(
+                    "robot `{robot}` has no sonar or ir called `{name}` with level rays on its body"
+                );
                 return Err(ParameterError::value("sight.names", problem));
             }
         }
@@ -304,6 +306,9 @@ mod tests {
         assert!(Felt::new(&sight::Parameters::default(), &body(&[])).unwrap().is_senseless());
         let named = |name: &str| sight::Parameters { names: vec![name.to_owned()], ..Default::default() };
         let problem = Felt::new(&named("eye"), &robot()).unwrap_err().to_string();
-        assert_eq!(problem, "sight.names: robot `alice` has no sonar or ir called `eye` on its body");
+        assert_eq!(
+            problem,
+            "sight.names: robot `alice` has no sonar or ir called `eye` with level rays on its body"
+        );
     }
 }

@@ -36,11 +36,11 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     canvas.close("g");
 }
 
-/// The radius of a circle around the robot's drawing, in metres: wheels may stand out.
+/// The radius of a circle around the robot's drawing, in metres: wheels and parts may stand out.
 pub(super) fn reach(robot: &RobotSpec) -> f64 {
     let drive = &robot.drive;
     let wheel = math::hypot(drive.half_track_m + 0.25 * drive.wheel_radius_m, drive.wheel_radius_m);
-    drive.radius_m.max(wheel)
+    robot.parts.iter().map(|part| part.outline.reach_m()).fold(drive.radius_m.max(wheel), f64::max)
 }
 
 /// The robot's outline or its disc.

@@ -94,6 +94,8 @@ impl Heights {
         let looks = described.polygons.iter().map(|polygon| &polygon.look);
         let looks = looks.chain(described.circles.iter().map(|disc| &disc.look));
         let looks = looks.chain(described.things.iter().map(|thing| &thing.look));
+        let parts = described.robots.iter().flat_map(|robot| &robot.parts);
+        let looks = looks.chain(parts.map(|part| &part.look));
         let low =
             looks.filter_map(|look| sound(look.as_ref()?.height_m?)).filter(|&height_m| height_m <= 2.0);
         let robots = described.robots.iter().filter_map(|robot| sound(robot.radius_m));

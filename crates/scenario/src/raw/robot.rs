@@ -132,7 +132,8 @@ pub(crate) struct Body {
     /// Colour of the body for cameras of other robots. Type: `[red, green, blue]`. Default: `[128, 128, 128]`. Range:
     /// each 0 to 255.
     pub(crate) color: Option<[u8; 3]>,
-    /// Parts of the body that sensors of other robots see: `[[robots.body.parts]]`. Default: none. Range: at most 64.
+    /// Parts of the body that sensors of other robots see: `[[robots.body.parts]]`. Default: none. Range: at most 64,
+    /// with 4096 corners together.
     #[serde(default)]
     pub(crate) parts: Vec<Part>,
     /// Mass M of Eq. (2.31).

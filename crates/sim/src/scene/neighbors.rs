@@ -56,9 +56,13 @@ impl Neighbors {
         });
         frozen.crowd.near(&around, |i| {
             let disc = &frozen.crowd.discs()[i];
-            let (i, is_own) = (i as u32, frozen.is_of(i, own));
-            if !is_own && widened(&around, disc.center).overlaps_circle(disc) && !bodies.contains(&i) {
-                overflows |= bodies.try_push(i).is_err();
+            let place = i as u32;
+            // Few are as near as that, so whose it is is asked last.
+            if widened(&around, disc.center).overlaps_circle(disc)
+                && !frozen.is_of(i, own)
+                && !bodies.contains(&place)
+            {
+                overflows |= bodies.try_push(place).is_err();
             }
         });
         (!overflows).then_some(Self { around, layer: reach.layer, shapes, bodies })

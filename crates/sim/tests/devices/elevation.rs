@@ -300,6 +300,12 @@ fn a_wrong_elevation_is_refused() {
         "robots[0].body.parts[0].lower_edge_m: must be at most `height_m`, 0.1, is 0.2",
     );
     refused(&part(&"{ radius_m = 0.1 }, ".repeat(65)), "robots[0].body.parts: there are 65, the limit is 64");
+    let round: Vec<_> =
+        (0..2100).map(|i| 0.00299 * f64::from(i)).map(|a| [0.1 * a.cos(), 0.1 * a.sin()]).collect();
+    refused(
+        &part(&format!("{{ outline_m = {round:?} }}, ").repeat(2)),
+        "robots[0].body.parts: have 4200 corners together, the limit is 4096",
+    );
     refused(
         &with_sensor("", &format!("{}\nwall_range_m = 5.0", sonar(0.3, "elevation_rad = 0.1\n"))),
         "elevation_rad: not with `wall_range_m`",
