@@ -122,11 +122,7 @@ impl Laptop {
         }
         match spec.port_use {
             PortUse::Closed => self.unread.push(byte),
-            PortUse::Open => {
-                self.unread.push(byte);
-                self.instants.push(at);
-            }
-            PortUse::Simulated => self.arrived.push(byte),
+            PortUse::Open | PortUse::Simulated => self.keep_for_program(spec.port_use, (at, byte)),
         }
         if spec.chip.as_ref().is_some_and(|chip| chip.is_opaque()) {
             return None;
@@ -148,6 +144,18 @@ impl Laptop {
         };
         uplink.counters.bad_messages += self.decoder.cut_short() - before;
         self.take_noted(spec, found, (at, uplink))
+    }
+
+    /// Out of line, as brains, which most robots have, get messages.
+    #[cold]
+    #[inline(never)]
+    fn keep_for_program(&mut self, port_use: PortUse, (at, byte): (SimTime, u8)) {
+        if port_use == PortUse::Simulated {
+            self.arrived.push(byte);
+        } else {
+            self.unread.push(byte);
+            self.instants.push(at);
+        }
     }
 
     /// Takes a byte. The message that it ended counts, if it ended one; of readings the answer is their meaning.

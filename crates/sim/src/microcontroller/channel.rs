@@ -49,7 +49,7 @@ impl Channel {
         };
         Self {
             due,
-            noise: sensor.noise.start(sensor.device.values(), specimen),
+            noise: sensor.noise.start(sensor.encodings.len(), specimen),
             running: sensor.own_clock.as_ref().map(|clock| Box::new(Running::start(clock, specimen, noise))),
             memory: sensor.device.remember(&spec.start.pose, specimen),
             stream: Stream::of(seed, &[&spec.name, "/", &sensor.name]),

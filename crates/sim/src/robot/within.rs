@@ -20,6 +20,9 @@ impl Robot {
         }
     }
 
+    /// Out of line: it is asked for each byte, and hardly any robot has such a program.
+    #[cold]
+    #[inline(never)]
     fn has_arrived(&self) -> bool {
         !self.laptop.arrived.is_empty() || self.ports.iter().any(|port| !port.arrived.is_empty())
     }

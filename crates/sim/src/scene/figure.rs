@@ -16,8 +16,16 @@ impl Default for Figure {
 
 impl Frozen {
     /// Whether this body is the robot, or a part of it.
+    #[inline]
     pub(crate) fn is_of(&self, body: usize, robot: usize) -> bool {
-        body == robot || body >= self.first_part && self.carriers.get(body - self.first_part) == Some(&robot)
+        body == robot || body >= self.first_part && self.is_part_of(body, robot)
+    }
+
+    /// Out of line, as few robots have parts.
+    #[cold]
+    #[inline(never)]
+    fn is_part_of(&self, body: usize, robot: usize) -> bool {
+        self.carriers.get(body - self.first_part) == Some(&robot)
     }
 
     /// Whether the ray met the robot.

@@ -49,20 +49,14 @@ impl Neighbors {
                     widened(&around, circle.center).overlaps_circle(circle)
                 }
             };
-            let number = number(index, shape);
-            if is_near && !shapes.contains(&number) {
-                overflows |= shapes.try_push(number).is_err();
+            if is_near {
+                overflows |= !add(&mut shapes, number(index, shape));
             }
         });
         frozen.crowd.near(&around, |i| {
             let disc = &frozen.crowd.discs()[i];
-            let place = i as u32;
-            // Few are as near as that, so whose it is is asked last.
-            if widened(&around, disc.center).overlaps_circle(disc)
-                && !frozen.is_of(i, own)
-                && !bodies.contains(&place)
-            {
-                overflows |= bodies.try_push(place).is_err();
+            if i != own && widened(&around, disc.center).overlaps_circle(disc) && !frozen.is_of(i, own) {
+                overflows |= !add(&mut bodies, i as u32);
             }
         });
         (!overflows).then_some(Self { around, layer: reach.layer, shapes, bodies })
@@ -113,6 +107,12 @@ impl Neighbors {
             }
         }
     }
+}
+
+/// Notes the place, once; false if there is no room. Out of line: many are looked at, and few of them are near.
+#[inline(never)]
+fn add<const MOST: usize>(places: &mut ArrayVec<u32, MOST>, place: u32) -> bool {
+    places.contains(&place) || places.try_push(place).is_ok()
 }
 
 /// Less than a place takes, as these are copied.

@@ -257,13 +257,20 @@ impl World {
 
     /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
     /// once, so its contacts last until there is some room around it.
+    #[inline]
     fn note_contact(&mut self, own: usize, met: Option<Met>, lists: &Lists) {
-        let Some(met) = met else {
-            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own, lists) {
-                self.state.robots[own].contacts.clear();
+        match met {
+            Some(met) => self.note_collision(own, met),
+            None if self.state.robots[own].contacts.is_empty() => {}
+            None => {
+                if !self.is_hemmed_in(own, lists) {
+                    self.state.robots[own].contacts.clear();
+                }
             }
-            return;
-        };
+        }
+    }
+
+    fn note_collision(&mut self, own: usize, met: Met) {
         let (scenario, robots) = (&self.scenario, &self.scenario.robots);
         let with = match met {
             Met::Arena(thing) => scenario.arena.name_of(thing),
@@ -321,6 +328,7 @@ impl World {
 }
 
 /// Lists the neighbours on the way.
+#[inline(always)]
 fn gather(scenario: &Scenario, lists: &mut Lists) {
     if lists.ways.len() < 2 {
         return;
