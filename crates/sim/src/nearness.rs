@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Pose, angle, math};
 
+use crate::clearance::Nearest;
 use crate::movable::Form;
 use crate::time::SimTime;
 use crate::world::World;
@@ -33,6 +34,8 @@ struct Near {
     least: Least,
     /// The way that may pass, in metres, before the clearance can be less than the least.
     room_m: f64,
+    /// The shape that is nearest to a disc.
+    nearest: Option<Nearest>,
 }
 
 /// The last pose of a body.
@@ -51,7 +54,7 @@ impl Nearness {
             let view = world.robot(robot);
             let course = Course::new(&view.spec().form(), view.motion().pose);
             let least = Least { clearance_m: world.clearance_m(robot), at };
-            Near { course, least, room_m: 0.0 }
+            Near { course, least, room_m: 0.0, nearest: None }
         };
         let (scenario, state) = (world.scenario(), world.state());
         let movers = scenario.movers.iter().zip(&state.movers);
@@ -118,7 +121,7 @@ impl Near {
     }
 
     fn look(&mut self, world: &World, robot: usize) {
-        let clearance_m = world.clearance_m(robot);
+        let clearance_m = world.clearance_beside_m(robot, &mut self.nearest);
         if clearance_m < self.least.clearance_m {
             self.least = Least { clearance_m, at: world.time() };
         }

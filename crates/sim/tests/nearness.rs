@@ -49,9 +49,10 @@ fn clearance_m(world: &World, robot: usize) -> f64 {
     others.iter().map(|other| distance_m(&own, other)).fold(f64::INFINITY, f64::min)
 }
 
-/// A room with a solid box, a pillar, a person, a ball and two robots, one of them with corners.
-fn room(heading_rad: f64, size_m: f64) -> World {
-    world(&format!(
+/// A room with a solid box, a pillar, a person, a ball and two robots, one of them with corners, or without all that moves but the
+/// first robot.
+fn room(heading_rad: f64, size_m: f64, is_alone: bool) -> World {
+    let room = format!(
         r#"
         wall_friction = 0.3
         [[arena.polygons]]
@@ -66,10 +67,21 @@ fn room(heading_rad: f64, size_m: f64) -> World {
         x_m = 0.9
         y_m = -0.8
         radius_m = 0.2
+        [[robots]]
+        name = "a"
+        body = {{ radius_m = 0.15, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}
+        start = {{ heading_rad = {heading_rad} }}
+        "#,
+        0.9 + size_m
+    );
+    world(&if is_alone { room } else { room + OTHERS })
+}
+
+const OTHERS: &str = r#"
         [[arena.movers]]
         name = "person"
         radius_m = 0.15
-        stops = {{ points_m = [[1.2, 1.2], [-0.5, 1.1]], speed_m_s = 0.6 }}
+        stops = { points_m = [[1.2, 1.2], [-0.5, 1.1]], speed_m_s = 0.6 }
         [[arena.movables]]
         name = "ball"
         radius_m = 0.1
@@ -78,17 +90,10 @@ fn room(heading_rad: f64, size_m: f64) -> World {
         x_m = 0.5
         y_m = 0.1
         [[robots]]
-        name = "a"
-        body = {{ radius_m = 0.15, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}
-        start = {{ heading_rad = {heading_rad} }}
-        [[robots]]
         name = "b"
-        body = {{ outline_m = [[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.1, -0.1]], half_track_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}
-        start = {{ x_m = -0.8, y_m = -0.8, heading_rad = 0.7 }}
-        "#,
-        0.9 + size_m
-    ))
-}
+        body = { outline_m = [[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.1, -0.1]], half_track_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }
+        start = { x_m = -0.8, y_m = -0.8, heading_rad = 0.7 }
+        "#;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
@@ -96,12 +101,12 @@ proptest! {
     /// Robots that drive anywhere, touch things and push them.
     #[test]
     fn the_least_clearance_is_that_of_all_ticks(
-        heading_rad in -3.1..3.1, size_m in 0.05..0.5,
+        heading_rad in -3.1..3.1, size_m in 0.05..0.5, is_alone in any::<bool>(),
         signals in prop::collection::vec((-1.0..1.0, -1.0..1.0, 10_u64..60), 1..8),
     ) {
-        let mut world = room(heading_rad, size_m);
+        let mut world = room(heading_rad, size_m, is_alone);
         let mut nearness = Nearness::new(&world);
-        let mut expected = [f64::INFINITY; 2];
+        let mut expected = vec![f64::INFINITY; world.robots().len()];
         for (left, right, ticks) in signals {
             for _ in 0..ticks {
                 for (robot, least_m) in expected.iter_mut().enumerate() {
