@@ -1,12 +1,13 @@
 //! The pins of a robot's chip, for observers.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::PinEventKind as Kind;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
-use baudbot_sim::Scenario;
+use baudbot_sim::{Ending, RobotView, Scenario, World};
 use baudbot_tests::system::{operator, serve, serve_on_ports, status};
 use baudbot_tests::{WANDER, scenario};
 use tonic::Streaming;
@@ -16,9 +17,65 @@ const STEPPED: fn() -> Pace = || Pace::Stepped(Lockstep::default());
 
 /// A robot whose program sends what it sees, and drives its motors by PWM.
 fn firmware() -> Scenario {
+    of_catalogue(include_str!("../../catalogue/scenarios/firmware.toml"), &[])
+}
+
+fn of_catalogue(text: &str, changes: &[&str]) -> Scenario {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../catalogue/scenarios"));
-    let text = baudbot_import::inline(include_str!("../../catalogue/scenarios/firmware.toml"), folder);
-    scenario(&text.unwrap(), &[])
+    scenario(&baudbot_import::inline(text, folder).unwrap(), changes)
+}
+
+/// The world of a scenario with a robot that drives itself, up to an instant or the end.
+fn run(world: &mut World, until_s: f64) -> RobotView<'_> {
+    while world.time().as_seconds() < until_s && world.ending().is_none() {
+        world.begin();
+        world.finish(&[]);
+    }
+    world.robot(0)
+}
+
+/// The program waits for a press, not for the bounces of the contact; then the potentiometer says how fast it follows the line.
+#[test]
+fn a_person_starts_a_robot_that_follows_a_line_by_modules() {
+    let modules = |changes: &[&str]| {
+        World::new(Arc::new(of_catalogue(include_str!("../../catalogue/scenarios/modules.toml"), changes)))
+    };
+    let mut world = modules(&[]);
+    let distances_m = [1.0, 3.0, 6.0, 9.0].map(|until_s| run(&mut world, until_s).counters().distance_m);
+    assert_eq!(distances_m[0], 0.0);
+    let [slow, fast] = [(distances_m[2] - distances_m[1]) / 3.0, (distances_m[3] - distances_m[2]) / 3.0];
+    assert!(slow > 0.03 && (1.4..1.8).contains(&(fast / slow)), "{slow} and {fast} m/s");
+    run(&mut world, 60.0);
+    assert!(matches!(world.ending(), Some(Ending::AllGoals)), "{:?}", world.ending());
+    assert_eq!(world.robot(0).counters().collisions, 0);
+    // With the screws so low that all is black to the modules it drives straight on, and into the wall.
+    let mut blind = modules(&["robots.robot.pins.3.threshold_v=0.1", "robots.robot.pins.4.threshold_v=0.1"]);
+    assert!(run(&mut blind, 60.0).counters().collisions > 0);
+    let mut unpressed = modules(&["robots.robot.operations=[]"]);
+    assert_eq!(run(&mut unpressed, 5.0).counters().distance_m, 0.0);
+}
+
+/// Ahead for two seconds, a turn to the left for half a second, ahead again; each motor by its own bits of the register.
+#[test]
+fn a_motor_shield_obeys_what_its_library_shifts_in() {
+    let text = include_str!("../../catalogue/scenarios/motor-shield.toml");
+    let poses = |changes: &[&str]| {
+        let mut world = World::new(Arc::new(of_catalogue(text, changes)));
+        [2.0, 2.6, 4.4, 6.0].map(|until_s| {
+            let motion = *run(&mut world, until_s).motion();
+            (motion.pose, motion.speed_m_s)
+        })
+    };
+    let [ahead, turned, again, stopped] = poses(&[]);
+    let start = ahead.0.position;
+    // The left motor is latched a moment before the right one.
+    assert!(start.x > -0.7 && (start.y + 0.5).abs() < 1e-3, "{ahead:?}");
+    assert!(turned.0.heading > 0.5, "{turned:?}");
+    assert!((again.0.position - turned.0.position).norm() > 0.3, "{again:?}");
+    assert!(stopped.1.abs() < 1e-3, "{stopped:?}");
+    // With both motors' numbers exchanged it turns to the right.
+    let exchanged = poses(&["robots.robot.pins.11.channel=2", "robots.robot.pins.3.channel=1"]);
+    assert!((exchanged[1].0.heading + turned.0.heading).abs() < 1e-3, "{:?}", exchanged[1]);
 }
 
 /// A connection to the server's TCP port.

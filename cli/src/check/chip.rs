@@ -1,7 +1,7 @@
 //! The description of a robot's chip: its program, and what is on its pins.
 
 use baudbot_plot::quantity::handy;
-use baudbot_sim::chip::{ChipSpec, Kind, Net, Terminal};
+use baudbot_sim::chip::{Attached, ChipSpec, Kind, Net, Terminal};
 use baudbot_sim::model::RobotSpec;
 
 use crate::link;
@@ -48,7 +48,11 @@ pub(super) fn pins(chip: &ChipSpec) -> Vec<[String; 3]> {
             Net::Pin(_) => format!("{} ({net})", net.printed()),
             Net::AnalogOnly(_) | Net::Ground | Net::Supply => net.printed(),
         };
-        [pin, wiring.terminal_name(terminal), placed.map_or("", |(_, placed)| what(placed.kind())).to_owned()]
+        let part = match chip.attached().get(terminal.part.index()) {
+            Some(Attached::Comparator(_)) => "comparator",
+            _ => placed.map_or("", |(_, placed)| what(placed.kind())),
+        };
+        [pin, wiring.terminal_name(terminal), part.to_owned()]
     };
     wires.into_iter().map(row).collect()
 }
@@ -57,7 +61,7 @@ fn what(kind: &Kind) -> &'static str {
     match kind {
         Kind::Voltage(_) => "voltage",
         Kind::Reflectance(_) => "capacitor that light discharges",
-        Kind::Switch(_) => "switch to ground",
+        Kind::Switch(_) => "switch",
         Kind::Encoder(_) => "encoder",
         Kind::Ping(_) => "PING)))",
         Kind::HcSr04(_) => "HC-SR04",

@@ -172,8 +172,26 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         (
             "meaningless-option",
             "A0 = { to = \"sensors.ir\", pull = \"external\" }",
-            "robots[0].pins.A0.pull: does not apply to `sensors.ir`, which has the options volts_at_0, volts_per_unit and divider",
+            "robots[0].pins.A0.pull: does not apply to `sensors.ir`, which has the options volts_at_0, volts_per_unit, divider and \
+             threshold_v",
         ),
+        (
+            "comparator-option",
+            "2 = { to = \"sensors.ir\", threshold_v = 2.0, divider = 0.5 }",
+            "robots[0].pins.2.divider: does not apply to `sensors.ir`, which has the options volts_at_0, volts_per_unit, threshold_v, \
+             hysteresis_v and low_when",
+        ),
+        (
+            "no-channel",
+            "5 = [\"motors.left.latch\", \"motors.left.clock\", \"motors.left.data\", \"motors.left.enable\", \"motors.left.pwm\"]",
+            "`motors.left` is at a shield's shift register and needs the number of its motor",
+        ),
+        (
+            "a-fifth-channel",
+            "5 = [\"motors.left.latch\", { to = \"motors.left.pwm\", channel = 5 }]",
+            "robots[0].pins.5[1].channel: must be 1 to 4, is 5",
+        ),
+        ("no-adc-for-a-potentiometer", "5 = \"potentiometers.speed\"", "PD5"),
         (
             "one-option",
             "5 = { to = \"sensors.whisker\", divider = 0.5 }",
@@ -191,6 +209,24 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
         let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
         assert!(code == 2 && err.contains("robots[0].pins") && err.contains(expected), "{name}: {err}");
     }
+}
+
+#[test]
+fn only_a_control_on_a_pin_can_be_operated() {
+    let operation = "[[robots.operations]]\nat_s = 1.0\ncontrol = \"buttons.stop\"\n";
+    let begins = "robots[0].operations[0].control: no pin has the control `buttons.stop`";
+    for (name, pins, rest) in [
+        ("another-control", "pins.5 = \"buttons.start\"\n", "there are buttons.start"),
+        ("no-controls", "", "connect it: pins.2 = \"buttons.start\""),
+    ] {
+        let robot = scenario(name, &format!("{ROBOT}{CABLE}{pins}{operation}"));
+        let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
+        assert!(code == 2 && err.contains(&format!("{begins}; {rest}")), "{name}: {err}");
+    }
+    let many = operation.repeat(1001);
+    let robot = scenario("operations", &format!("{ROBOT}{CABLE}pins.5 = \"buttons.stop\"\n{many}"));
+    let (code, _, err) = baudbot(&["check", robot.to_str().unwrap()]);
+    assert!(code == 2 && err.contains("robots[0].operations: has 1001 operations; at most 1000"), "{err}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub use clock::{ChipClock, ClockError};
 pub use edges::{By, Edge, Edges, Level, RoundsOver, Seen};
 pub use parts::{
     BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, MotorDrive, Piezo, Ping, Pull,
-    Pulse, RangeFinder, Reflectance, ServoKind, Switch, Voltage,
+    Pulse, RangeFinder, Reflectance, ServoKind, ShieldMotor, Switch, Voltage,
 };
 pub use physics::{PartId, Physics, Wheel};
 pub use role::Role;

@@ -31,6 +31,12 @@ pub enum Role {
     Sda,
     /// The clock of the I²C bus: `scl`.
     Scl,
+    /// The data of a shift register: `data`.
+    Data,
+    /// The clock of a shift register: `clock`.
+    Clock,
+    /// A rise hands what was shifted in to the outputs: `latch`.
+    Latch,
 }
 
 /// The effect of a terminal on its wire, or its demand.
@@ -63,6 +69,9 @@ impl Role {
             Self::Standby => "standby",
             Self::Sda => "sda",
             Self::Scl => "scl",
+            Self::Data => "data",
+            Self::Clock => "clock",
+            Self::Latch => "latch",
         }
     }
 }

@@ -19,7 +19,7 @@ use baudbot_sim::link::Link;
 use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::Sensor;
 
-use super::raw;
+use super::{controls, raw};
 use parts::Wires;
 
 type Result<T> = core::result::Result<T, FieldError>;
@@ -36,7 +36,8 @@ pub(super) struct Parts<'a> {
 pub(super) fn chip(path: &Path, raw: &raw::Robot, robot: &Parts<'_>) -> Result<Option<Arc<ChipSpec>>> {
     let at = path.field("pins");
     let connections = raw.pins.connections(&at);
-    let Wires { wiring, attached } = parts::wires(&at, &connections, robot)?;
+    let Wires { wiring, attached, controls } = parts::wires(&at, &connections, robot)?;
+    let controls = controls::controls(&path.field("operations"), &raw.operations, controls)?;
     let (at, microcontroller) = (path.field("microcontroller"), &raw.microcontroller);
     let fuses = program::fuses(&at, microcontroller)?;
     for (at, pin, _) in &connections {
@@ -57,7 +58,8 @@ pub(super) fn chip(path: &Path, raw: &raw::Robot, robot: &Parts<'_>) -> Result<O
     let fuses = fuses.unwrap_or_else(|| Fuses::external_clock(part));
     let is_opaque = protocol == raw::Protocol::Own;
     let chip = ChipSpec::new(&program, (fuses, clock), wiring, attached, is_opaque);
-    Ok(Some(Arc::new(chip.map_err(|error| at.error(error.to_string()))?)))
+    let chip = chip.map_err(|error| at.error(error.to_string()))?;
+    Ok(Some(Arc::new(chip.with_controls(controls))))
 }
 
 /// A chip's UART needs a cable with a baud rate, and its bytes are its program's.

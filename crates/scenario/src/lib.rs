@@ -35,6 +35,7 @@ mod build;
 mod cable;
 mod chip;
 mod context;
+mod controls;
 mod create;
 mod error;
 mod faults;

@@ -4,6 +4,7 @@ use alloc::string::String;
 
 use baudbot_board::{Decay, LitBy, Pull};
 use baudbot_fields::number::{Between, Number, Share};
+use baudbot_sim::chip::LowWhen;
 
 /// A voltage by any unit of a sensor.
 type Volts = Between<-1_000_000_000_000, 1_000_000_000_000>;
@@ -23,9 +24,19 @@ pub(super) struct Options {
     pub(super) volts_per_unit: Option<Number<Volts>>,
     /// For a voltage: fraction of it that reaches the pin. Default: 1.0.
     pub(super) divider: Option<Number<Share>>,
-    /// For a switch: the resistor that pulls the open pin high. Default: `"internal"`.
+    /// For a voltage: a comparator with an open collector gives the pin a level: whether the voltage, before the divider, is above this.
+    pub(super) threshold_v: Option<Number<Between<-100, 100>>>,
+    /// For a comparator: width of the band around the threshold in which the level stays as it was. Default: 0.02.
+    pub(super) hysteresis_v: Option<Number<Between<0, 100>>>,
+    /// For a comparator: the side of the threshold on which the level is low. Default: `"below"`.
+    pub(super) low_when: Option<LowWhen>,
+    /// For a button or a switch: longest bounce of the contact. Default: 5.0.
+    pub(super) bounce_ms: Option<Number<Between<0, 1000>>>,
+    /// For a switch: the resistor that holds the open pin: high, or low with `"down"`, for a switch to the supply. Default: `"internal"`.
     pub(super) pull: Option<Pull>,
-    /// For a motor's driver: voltage drop across it. Default: 2.55 of an L298N, 0.5 of a TB6612, else 0.0.
+    /// For a motor shield: number of the motor, as printed on it. Default: required with `latch`. Range: 1 to 4.
+    pub(super) channel: Option<u8>,
+    /// For a motor's driver: voltage drop across it. Default: 2.55 of an L298N, 2.6 of a shield's L293D, 0.5 of a TB6612, else 0.0.
     pub(super) drop_v: Option<Number<Between<0, 100>>>,
     /// For a driver with PWM and direction: behaviour of the motor in the pauses of the PWM. Default: `"brake"`.
     pub(super) decay: Option<Decay>,

@@ -11,6 +11,8 @@
 //!
 //! Instants of the chip are floor(cycles · 10⁹ / f) after its start, which [`ChipClock`] computes.
 
+mod comparator;
+mod control;
 mod pulses;
 mod scope;
 mod signals;
@@ -25,6 +27,8 @@ pub use baudbot_board::{
     Board, By, Edge, Edges, Kind, Level, LitBy, Net, Role, RoundsOver, Seen, Terminal, Warning,
 };
 use baudbot_board::{BoardError, ChipClock, PartId, Physics, Wiring};
+pub use comparator::{Comparator, LowWhen, Source};
+pub use control::{Control, Operation};
 pub use pulses::{Condenser, Pulses, Stretch, add};
 pub use scope::{News, Scope, Shown};
 pub use signals::{Line, Signal, identifier};
@@ -40,6 +44,7 @@ pub struct ChipSpec {
     start: Board,
     /// The place on the robot of each part of the wiring, in the parts' order.
     attached: Vec<Attached>,
+    controls: Vec<Control>,
     /// Whether the meaning of the bytes is known only to the user's own programs.
     is_opaque: bool,
 }
@@ -48,16 +53,11 @@ pub struct ChipSpec {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attached {
     /// A value of a sensor, as a voltage.
-    Voltage {
-        /// The sensor's place.
-        sensor: usize,
-        /// The place of the value in its readings.
-        value: usize,
-        /// The voltage at the value 0, in volts.
-        volts_at_0: f64,
-        /// The rise for each unit of the value, in volts.
-        volts_per_unit: f64,
-    },
+    Voltage(Source),
+    /// The same before a comparator.
+    Comparator(Comparator),
+    /// What a person operates: its place among the chip's controls.
+    Control(usize),
     /// A sensor that is a switch.
     Contact {
         /// The sensor's place.
@@ -119,7 +119,15 @@ pub trait Probe: Send + Sync {
 impl ChipSpec {
     /// The bytes that it has on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
-        crate::heap::of(&self.start) + self.start.program_bytes() + crate::heap::elements(&self.attached)
+        crate::heap::of(&self.start)
+            + self.start.program_bytes()
+            + crate::heap::elements(&self.attached)
+            + crate::heap::elements(&self.controls)
+            + self
+                .controls
+                .iter()
+                .map(|control| control.name.capacity() + crate::heap::elements(&control.operations))
+                .sum::<usize>()
     }
 
     /// A chip with this program and these parts on its pins; `attached` has an entry for each part of the wiring, in order. An
@@ -139,7 +147,18 @@ impl ChipSpec {
         if let Some(end) = program.data_end() {
             chip.watch_stack(end);
         }
-        Ok(Self { start: Board::new(chip, clock, wiring)?, attached, is_opaque })
+        Ok(Self { start: Board::new(chip, clock, wiring)?, attached, controls: Vec::new(), is_opaque })
+    }
+
+    /// The chip with these controls on its board.
+    #[must_use]
+    pub fn with_controls(self, controls: Vec<Control>) -> Self {
+        Self { controls, ..self }
+    }
+
+    /// What a person operates on its board.
+    pub fn controls(&self) -> &[Control] {
+        &self.controls
     }
 
     /// The board as it is before its supply is switched on.
@@ -157,9 +176,14 @@ impl ChipSpec {
         self.is_opaque
     }
 
-    /// Whether the program asks for the readings of the sensor in this place. Switches are looked at by the world in each tick.
+    /// Whether the program asks for the readings of the sensor in this place. Switches and comparators are looked at by the world in
+    /// each tick.
     pub fn asks_for(&self, sensor: usize) -> bool {
-        !self.attached.contains(&Attached::Contact { sensor })
+        let is_seen = |attached: &Attached| {
+            let is_compared = matches!(attached, Attached::Comparator(Comparator { source, .. }) if source.sensor == sensor);
+            is_compared || *attached == Attached::Contact { sensor }
+        };
+        !self.attached.iter().any(is_seen)
     }
 
     /// The device of a part.

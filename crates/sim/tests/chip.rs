@@ -179,6 +179,53 @@ fn a_whisker_pulls_its_pin_down() {
     assert_eq!(bytes(&ask(&mut open(&toml(0.5)), b"W", 4)), b"1");
 }
 
+/// A module over a line is low over white, with the other side chosen over black, and its screw says from where on.
+#[test]
+fn a_comparator_gives_its_pin_a_level() {
+    let level = |x_m: f64, options: &str| {
+        let more = format!(
+            "start = {{ x_m = {x_m} }}\n{CABLE}\nsensors.line = {{ kind = \"floor\", mount = {{ x_m = 0.1 }} }}"
+        );
+        let pins = format!("5 = {{ to = \"sensors.line\", {options} }}");
+        let floor = "[arena]\nfloor = 0.9\n[[arena.zones]]\nname = \"line\"\nfloor = 0.1\npoints_m = [[1, -1], [2, -1], [2, 1], [1, 1]]\n";
+        bytes(&ask(&mut open(&(robot(TESTER, &more, &pins) + floor)), b"W", 4))
+    };
+    let (white, black) = (0.0, 1.2);
+    // 0.5 V over white, 4.5 V over black.
+    for (options, levels) in [
+        ("threshold_v = 2.5", [b"0", b"1"]),
+        ("threshold_v = 2.5, low_when = \"above\"", [b"1", b"0"]),
+        ("threshold_v = 0.4, hysteresis_v = 0.0", [b"1", b"1"]),
+        ("threshold_v = 4.6", [b"0", b"0"]),
+    ] {
+        assert_eq!([level(white, options), level(black, options)], levels, "{options}");
+    }
+}
+
+#[test]
+fn a_person_presses_a_button_and_turns_a_potentiometer() {
+    let operations = "operations = [{ at_s = 0.5, control = \"buttons.start\", for_s = 0.3 }, \
+                      { at_s = 0.5, control = \"potentiometers.speed\", position = 0.25 }]";
+    let toml = |options: &str| {
+        let pins = format!("5 = {{ to = \"buttons.start\", {options} }}\nA0 = \"potentiometers.speed\"");
+        robot(TESTER, &format!("{CABLE}\n{operations}"), &pins)
+    };
+    for (options, levels) in [("bounce_ms = 1", [b"1", b"0", b"1"]), ("pull = \"down\"", [b"0", b"1", b"0"])]
+    {
+        let mut world = open(&toml(options));
+        let mut turned = Vec::new();
+        for (i, level) in levels.into_iter().enumerate() {
+            let until_s = [0.4, 0.6, 0.9][i];
+            while world.time().as_seconds() < until_s {
+                ask(&mut world, &[], 1);
+            }
+            assert_eq!(bytes(&ask(&mut world, b"W", 4)), level, "{options} before {until_s} s");
+            turned.push(word(&ask(&mut world, b"A0", 6)));
+        }
+        assert_eq!(turned, [0, 256, 256]);
+    }
+}
+
 #[test]
 fn servos_obey_the_width_of_their_pulses_and_stand_without() {
     let pins = "11 = \"motors.left\"\n12 = \"motors.right\"\n";

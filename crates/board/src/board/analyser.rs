@@ -70,8 +70,8 @@ pub(super) struct Wire {
 pub(super) enum Yields {
     /// None.
     Never,
-    /// The part makes the wire high by a resistor only.
-    High,
+    /// The part gives the wire this level by a resistor only.
+    At(External),
     /// The part has a resistor.
     Always,
 }
@@ -277,7 +277,7 @@ impl Wire {
             && self.sides.is_short()
             && match self.yields {
                 Yields::Never => true,
-                Yields::High => part == External::Low,
+                Yields::At(level) => part != level,
                 Yields::Always => false,
             };
         if is_short {

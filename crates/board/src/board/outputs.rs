@@ -51,7 +51,7 @@ impl Board {
     /// The drives of the motors by H-bridges in the last step, in the order of the parts.
     pub fn drives(&self) -> impl Iterator<Item = Motor> {
         self.parts().filter_map(|(part, state)| {
-            let Part::Bridge(bridge) = state else { return None };
+            let bridge = state.bridge()?;
             Some(Motor { part, drive: bridge.drive(), drop_v: bridge.drop_v() })
         })
     }

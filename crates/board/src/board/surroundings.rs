@@ -187,10 +187,10 @@ impl Surroundings {
         let kind = match part.and_then(|part| self.parts.get(part.index())) {
             // The sensor has a resistor, and holds the wire only while its capacitor is charged.
             Some(Part::Reflectance(_)) => return,
-            // The switch makes the wire high by a resistor only.
-            Some(Part::Switch(_))
+            // An open switch holds the wire by a resistor only.
+            Some(Part::Switch(switch))
                 if kind == WarningKind::Short
-                    && pin.is_some_and(|pin| self.pins.of(pin).chip == Drive::Low) =>
+                    && pin.is_some_and(|pin| self.pins.of(pin).part == switch.by_resistor()) =>
             {
                 return;
             }

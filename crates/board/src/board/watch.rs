@@ -82,12 +82,13 @@ impl Surroundings {
     fn yields(&self, pin: Pin) -> Yields {
         match self.wiring.driver(pin).and_then(|part| self.parts.get(part.index())) {
             Some(Part::Reflectance(_)) => Yields::Always,
-            Some(Part::Switch(_)) => Yields::High,
+            Some(Part::Switch(switch)) => Yields::At(switch.by_resistor()),
             Some(
                 Part::Voltage(_)
                 | Part::Encoder(_)
                 | Part::Sonar(_)
                 | Part::Bridge(_)
+                | Part::Shield(_)
                 | Part::Servo(_)
                 | Part::Led(_)
                 | Part::Piezo(_)

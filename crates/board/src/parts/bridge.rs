@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Signal;
 use super::meter::Meter;
+use super::shield::ShieldMotor;
 use crate::role::Role;
 
 /// One channel of a motor driver.
@@ -33,11 +34,20 @@ pub enum BridgeKind {
         /// The voltage that it takes from the motor, in volts.
         drop_v: f64,
     },
+    /// A motor of a shield with L293D bridges behind a shift register: `latch`, `clock`, `data`, `enable` (low is on), `pwm`.
+    Shield {
+        /// The motor.
+        motor: ShieldMotor,
+        /// The voltage that its two bipolar transistors take, in volts: the data sheet has 1.4 V + 1.2 V at 0.6 A.
+        drop_v: f64,
+    },
 }
 
 impl BridgeKind {
     /// An L298N at 1 A.
     pub const L298N: Self = Self::L298N { drop_v: 2.55 };
+    /// The voltage that an L293D takes at 0.6 A.
+    pub const L293D_DROP_V: f64 = 2.6;
     /// A TB6612FNG at 1 A.
     pub const TB6612: Self = Self::Tb6612 { drop_v: 0.5 };
 }
@@ -94,8 +104,9 @@ impl State {
     pub(crate) fn new(kind: BridgeKind) -> Self {
         let (pwm, enable) = match kind {
             BridgeKind::L298N { .. } => (1.0, 0.0),
+            // Wires that nothing drives are low, and a low `enable` of a register is on.
             BridgeKind::Tb6612 { .. } => (0.0, 0.0),
-            BridgeKind::Directed { .. } => (0.0, 1.0),
+            BridgeKind::Shield { .. } | BridgeKind::Directed { .. } => (0.0, 1.0),
         };
         let meter = Meter::default();
         let in2 = if matches!(kind, BridgeKind::Directed { .. }) { 1.0 } else { 0.0 };
@@ -120,9 +131,25 @@ impl State {
             Role::In2 => self.in2 = duty,
             Role::Direction => (self.in1, self.in2) = (duty, 1.0 - duty),
             Role::Pwm => self.pwm = duty,
+            Role::Enable if matches!(self.kind, BridgeKind::Shield { .. }) => self.enable = 1.0 - duty,
             Role::Enable | Role::Standby => self.enable = duty,
-            Role::Signal | Role::A | Role::B | Role::Trigger | Role::Echo | Role::Sda | Role::Scl => {}
+            Role::Signal
+            | Role::A
+            | Role::B
+            | Role::Trigger
+            | Role::Echo
+            | Role::Sda
+            | Role::Scl
+            | Role::Data
+            | Role::Clock
+            | Role::Latch => {}
         }
+        self.measure(at);
+    }
+
+    /// The inputs of the bridge, where the chip does not drive them itself, have these levels from now on.
+    pub(super) fn set_inputs(&mut self, inputs: [f64; 2], at: u64) {
+        [self.in1, self.in2] = inputs;
         self.measure(at);
     }
 
@@ -138,12 +165,14 @@ impl State {
         let driven = self.enable * self.pwm;
         let (forwards, backwards) = match self.kind {
             BridgeKind::Directed { .. } => (driven * in1, driven * in2),
-            BridgeKind::L298N { .. } | BridgeKind::Tb6612 { .. } => {
+            BridgeKind::L298N { .. } | BridgeKind::Tb6612 { .. } | BridgeKind::Shield { .. } => {
                 (driven * in1 * (1.0 - in2), driven * (1.0 - in1) * in2)
             }
         };
         let brake = match self.kind {
-            BridgeKind::L298N { .. } => self.enable * (in1 * in2 + (1.0 - in1) * (1.0 - in2)),
+            BridgeKind::L298N { .. } | BridgeKind::Shield { .. } => {
+                driven * (in1 * in2 + (1.0 - in1) * (1.0 - in2))
+            }
             // Both inputs low: stop. Else a low PWM brakes.
             BridgeKind::Tb6612 { .. } => {
                 self.enable * (in1 * in2 + (1.0 - self.pwm) * (in1 * (1.0 - in2) + (1.0 - in1) * in2))
@@ -179,6 +208,7 @@ impl State {
         match self.kind {
             BridgeKind::L298N { drop_v }
             | BridgeKind::Tb6612 { drop_v }
+            | BridgeKind::Shield { drop_v, .. }
             | BridgeKind::Directed { drop_v, .. } => drop_v,
         }
     }

@@ -47,6 +47,9 @@ impl Kind {
             Self::Bridge(BridgeKind::L298N { .. }) => &[Role::In1, Role::In2, Role::Enable],
             Self::Bridge(BridgeKind::Tb6612 { .. }) => &[Role::In1, Role::In2, Role::Pwm, Role::Standby],
             Self::Bridge(BridgeKind::Directed { .. }) => &[Role::Pwm, Role::Direction],
+            Self::Bridge(BridgeKind::Shield { .. }) => {
+                &[Role::Latch, Role::Clock, Role::Data, Role::Enable, Role::Pwm]
+            }
             Self::Compass(_) | Self::RangeFinder(_) => &[Role::Sda, Role::Scl],
             Self::Voltage(_)
             | Self::Reflectance(_)

@@ -10,6 +10,7 @@ mod piezo;
 mod range_finder;
 mod reflectance;
 mod servo;
+mod shield;
 mod sonar;
 mod switch;
 mod voltage;
@@ -26,6 +27,7 @@ pub use piezo::Piezo;
 pub use range_finder::RangeFinder;
 pub use reflectance::Reflectance;
 pub use servo::{Pulse, ServoKind};
+pub use shield::ShieldMotor;
 pub use sonar::{HcSr04, Ping};
 pub use switch::{Pull, Switch};
 pub use voltage::Voltage;
@@ -110,6 +112,7 @@ pub(crate) enum Part {
     Piezo(piezo::State),
     Compass(compass::State),
     RangeFinder(range_finder::State),
+    Shield(shield::State),
 }
 
 impl Part {
@@ -121,6 +124,9 @@ impl Part {
             Kind::Encoder(encoder) => Self::Encoder(encoder::State::new(encoder)),
             Kind::Ping(_) => Self::Sonar(sonar::State::new(sonar::PING)),
             Kind::HcSr04(_) => Self::Sonar(sonar::State::new(sonar::HC_SR04)),
+            Kind::Bridge(kind @ BridgeKind::Shield { motor, .. }) => {
+                Self::Shield(shield::State::new(kind, motor))
+            }
             Kind::Bridge(bridge) => Self::Bridge(bridge::State::new(bridge)),
             Kind::Servo(servo) => Self::Servo(servo::State::new(servo)),
             Kind::Led(led) => Self::Led(led::State::new(led)),
@@ -139,6 +145,9 @@ impl Part {
             (Self::Encoder(own), Kind::Encoder(encoder)) => own.is_possible(encoder, now.ns()),
             (Self::Sonar(own), Kind::Ping(_)) => own.is_possible(sonar::PING, now.cycle),
             (Self::Sonar(own), Kind::HcSr04(_)) => own.is_possible(sonar::HC_SR04, now.cycle),
+            (Self::Shield(own), Kind::Bridge(kind @ BridgeKind::Shield { motor, .. })) => {
+                own.is_possible(kind, motor, now.cycle)
+            }
             (Self::Bridge(own), Kind::Bridge(bridge)) => own.is_possible(bridge, now.cycle),
             (Self::Servo(own), Kind::Servo(servo)) => own.is_possible(servo, now),
             (Self::Led(own), Kind::Led(led)) => own.is_possible(led, now.cycle),
@@ -146,6 +155,24 @@ impl Part {
             (Self::Compass(compass), Kind::Compass(_)) => compass.is_possible(now),
             (Self::RangeFinder(_), Kind::RangeFinder(_)) => true,
             _ => false,
+        }
+    }
+
+    /// The bridge of a motor.
+    pub(crate) const fn bridge(&self) -> Option<&bridge::State> {
+        match self {
+            Self::Bridge(bridge) => Some(bridge),
+            Self::Shield(shield) => Some(&shield.bridge),
+            Self::Voltage(_)
+            | Self::Reflectance(_)
+            | Self::Switch(_)
+            | Self::Encoder(_)
+            | Self::Sonar(_)
+            | Self::Servo(_)
+            | Self::Led(_)
+            | Self::Piezo(_)
+            | Self::Compass(_)
+            | Self::RangeFinder(_) => None,
         }
     }
 
@@ -159,6 +186,7 @@ impl Part {
             | Self::Switch(_)
             | Self::Encoder(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -175,6 +203,7 @@ impl Part {
             | Self::Reflectance(_)
             | Self::Sonar(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -193,6 +222,7 @@ impl Part {
             | Self::Switch(_)
             | Self::Encoder(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -209,6 +239,7 @@ impl Part {
             Self::Sonar(sonar) => sonar.next_change(),
             Self::Voltage(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -226,6 +257,7 @@ impl Part {
             Self::Sonar(sonar) => sonar.change_taken(),
             Self::Voltage(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -245,6 +277,7 @@ impl Part {
             | Self::Switch(_)
             | Self::Encoder(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_)
@@ -260,6 +293,7 @@ impl Part {
             Self::Servo(servo) => return servo.hear(signal, at),
             Self::Reflectance(sensor) => sensor.hear(signal, at.cycle),
             Self::Bridge(bridge) => bridge.hear(role, signal, at.cycle),
+            Self::Shield(shield) => shield.hear(role, signal, at.cycle),
             Self::Led(led) => led.hear(signal, at.cycle),
             Self::Piezo(piezo) => piezo.hear(signal, at),
             Self::Voltage(_)
@@ -275,6 +309,7 @@ impl Part {
     pub(crate) fn finish(&mut self, now: u64) {
         match self {
             Self::Bridge(bridge) => bridge.finish(now),
+            Self::Shield(shield) => shield.bridge.finish(now),
             Self::Led(led) => led.finish(now),
             Self::Voltage(_)
             | Self::Reflectance(_)
@@ -302,6 +337,7 @@ impl Part {
             | Self::Encoder(_)
             | Self::Sonar(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_) => false,
@@ -331,6 +367,7 @@ impl Part {
             | Self::Encoder(_)
             | Self::Sonar(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_) => false,
@@ -348,6 +385,7 @@ impl Part {
             | Self::Encoder(_)
             | Self::Sonar(_)
             | Self::Bridge(_)
+            | Self::Shield(_)
             | Self::Servo(_)
             | Self::Led(_)
             | Self::Piezo(_) => 0xFF,

@@ -1,4 +1,4 @@
-//! A switch to ground, whose contact bounces.
+//! A switch to ground, or to the supply, whose contact bounces.
 //!
 //! The bounce is a pattern: an odd number of edges from the change on, the last of which leaves the new level. Where they
 //! are follows from the seed and from how often the switch has changed.
@@ -12,21 +12,23 @@ use super::Change;
 use crate::clock::ChipClock;
 use crate::role::Role;
 
-/// The resistor that makes the wire of an open switch high.
+/// The resistor that holds the wire of an open switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Pull {
-    /// A resistor on the board.
+    /// A resistor on the board to the supply. Closed is low.
     External,
-    /// The pull-up resistor of the pin, if the program switches it on; else the pin floats.
+    /// The pull-up resistor of the pin, if the program switches it on; else the pin floats. Closed is low.
     Internal,
+    /// A resistor on the board to ground; the switch is to the supply. Closed is high.
+    Down,
 }
 
-/// A switch to ground: a whisker, a bumper, a button. Pressed is low.
+/// A switch: a whisker, a bumper, a button, the output of a comparator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Switch {
-    /// The resistor that makes it high.
+    /// The resistor that holds it while it is open.
     pub pull: Pull,
     /// Its contact bounces for so long at most, in microseconds. 0: it does not.
     pub bounce_us: u32,
@@ -62,6 +64,14 @@ impl State {
             && self.changed_ns <= now_ns
     }
 
+    /// The level of the wire that its resistor alone makes, and the chip may override.
+    pub(crate) const fn by_resistor(&self) -> External {
+        match self.switch.pull {
+            Pull::External | Pull::Internal => External::High,
+            Pull::Down => External::Low,
+        }
+    }
+
     pub(crate) fn begin(&mut self, pressed: bool, at_ns: u64) {
         if self.pressed == Some(pressed) {
             return;
@@ -79,10 +89,10 @@ impl State {
             return None;
         }
         // The last edge leaves the new level, the one before it the old one.
-        let low = (self.pressed == Some(true)) == (self.left % 2 == 1);
-        let external = match (low, self.switch.pull) {
-            (true, _) => External::Low,
-            (false, Pull::External) => External::High,
+        let is_closed = (self.pressed == Some(true)) == (self.left % 2 == 1);
+        let external = match (is_closed, self.switch.pull) {
+            (true, Pull::External | Pull::Internal) | (false, Pull::Down) => External::Low,
+            (false, Pull::External) | (true, Pull::Down) => External::High,
             (false, Pull::Internal) => External::Open,
         };
         let at = clock.cycle(self.changed_ns.saturating_add(self.edge_ns(self.edges - self.left)));
@@ -161,6 +171,15 @@ mod tests {
         assert_eq!(edges(&mut state), [(8, External::Low)]);
         state.begin(true, 900);
         assert_eq!(edges(&mut state), []);
+    }
+
+    #[test]
+    fn a_switch_to_the_supply_is_high_when_closed() {
+        let mut state = State::new(Switch { pull: Pull::Down, bounce_us: 0, seed: 1 });
+        state.begin(false, 0);
+        assert_eq!(edges(&mut state), [(0, External::Low)]);
+        state.begin(true, 500);
+        assert_eq!(edges(&mut state), [(8, External::High)]);
     }
 
     #[test]

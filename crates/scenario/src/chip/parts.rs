@@ -1,18 +1,19 @@
 //! The parts of a board on its pins, and the devices of the robot that they belong to.
 
+mod wheels;
+
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use baudbot_board::{
-    BridgeKind, Channels, Compass, Decay, Encoder, HcSr04, Kind, Led, LitBy, Net, Piezo, Ping, Pull,
-    RangeFinder, Reflectance, ServoKind, Switch, Voltage, Wiring,
+    Compass, HcSr04, Kind, Led, LitBy, Net, Piezo, Ping, Pull, RangeFinder, Reflectance, ServoKind, Switch,
+    Voltage, Wiring,
 };
 use baudbot_fields::number::Number;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::ActuatorKind;
-use baudbot_sim::chip::{Attached, Side};
-use baudbot_sim::motor::Motors;
+use baudbot_sim::chip::{Attached, Comparator, LowWhen, Side, Source};
 use baudbot_sim::sensor::{Component, Device, Sensor};
 use baudbot_wire::Encoding;
 
@@ -23,6 +24,8 @@ use crate::pins::Options;
 pub(super) struct Wires {
     pub(super) wiring: Wiring,
     pub(super) attached: Vec<Attached>,
+    /// The names of what a person operates.
+    pub(super) controls: Vec<String>,
 }
 
 /// A part, as far as it is known.
@@ -52,13 +55,20 @@ enum Belongs<'a> {
     Actuator(usize),
     Led,
     Buzzer,
+    /// A button or a switch, by its place among the controls.
+    Contact(usize),
+    Potentiometer(usize),
 }
 
 /// The parts that these connections are of.
 pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &Parts<'_>) -> Result<Wires> {
     let mut parts: Vec<Part<'_>> = Vec::new();
+    let mut controls = Vec::new();
     for (at, pin, options) in connections {
-        let (name, belongs, terminal) = target(at, &options.to, robot)?;
+        let (name, belongs, terminal) = match control(&options.to, &mut controls) {
+            Some(belongs) => (options.to.clone(), belongs, ""),
+            None => target(at, &options.to, robot)?,
+        };
         let place = parts.iter().position(|part| part.name == name);
         let place = place.unwrap_or_else(|| {
             parts.push(Part { name, path: at, belongs, terminals: Vec::new() });
@@ -71,16 +81,31 @@ pub(super) fn wires(path: &Path, connections: &[(Path, &str, Options)], robot: &
     for part in &parts {
         let (kind, belongs) = part.kind(robot)?;
         builder = builder.part(&*part.name, kind);
-        attached.push(belongs);
         for Used { path, pin, terminal, options } in &part.terminals {
-            options::check(path, options, &kind, part.is_floor())?;
+            options::check(path, options, (&kind, &belongs), part.is_floor())?;
             let full =
                 if terminal.is_empty() { part.name.clone() } else { format!("{}.{terminal}", part.name) };
             builder = builder.connect(*pin, full);
         }
+        attached.push(belongs);
     }
     let wiring = builder.build().map_err(|error| path.error(error.to_string()))?;
-    Ok(Wires { wiring, attached })
+    Ok(Wires { wiring, attached, controls })
+}
+
+/// The control that `text` names, if it names one, which is among the others then.
+fn control<'a>(text: &str, controls: &mut Vec<String>) -> Option<Belongs<'a>> {
+    let (group, _) = text.split_once('.').filter(|(_, name)| !name.is_empty() && !name.contains('.'))?;
+    let belongs = match group {
+        "buttons" | "switches" => Belongs::Contact,
+        "potentiometers" => Belongs::Potentiometer,
+        _ => return None,
+    };
+    let place = controls.iter().position(|known| known == text).unwrap_or_else(|| {
+        controls.push(text.into());
+        controls.len() - 1
+    });
+    Some(belongs(place))
 }
 
 /// The target of `text`: the part's name, its device, and the terminal.
@@ -108,7 +133,8 @@ fn target<'a>(path: &Path, text: &'a str, robot: &Parts<'a>) -> Result<(String, 
         "buzzers" if !name.is_empty() => Ok((format!("buzzers.{name}"), Belongs::Buzzer, terminal)),
         _ => Err(path.error(format!(
             "`{text}` is not something that a pin can be connected to; there are sensors.NAME, encoders.left, motors.left, \
-             actuators.NAME, leds.NAME and buzzers.NAME, each with a terminal behind a dot where it has several"
+             actuators.NAME, leds.NAME, buzzers.NAME, buttons.NAME, switches.NAME and potentiometers.NAME, each with a terminal behind a \
+             dot where it has several"
         ))),
     }
 }
@@ -210,6 +236,12 @@ impl Part<'_> {
             }
             Belongs::Led => Ok((Kind::Led(self.led()), Attached::Board)),
             Belongs::Buzzer => Ok((Kind::Piezo(Piezo), Attached::Board)),
+            Belongs::Contact(place) => {
+                let bounce_ms = self.option(|options| options.bounce_ms).map_or(BOUNCE_MS, Number::get);
+                let switch = self.switch(&self.name, (bounce_ms * 1e3) as u32);
+                Ok((Kind::Switch(switch), Attached::Control(place)))
+            }
+            Belongs::Potentiometer(place) => Ok((Kind::Voltage(Voltage::DIRECT), Attached::Control(place))),
         }
     }
 
@@ -237,7 +269,7 @@ impl Part<'_> {
                 let bounce_us = u32::try_from(switch.bounce_ns / 1000).unwrap_or(u32::MAX);
                 Ok((Kind::Switch(self.switch(&sensor.name, bounce_us)), Attached::Contact { sensor: place }))
             }
-            Device::Floor(_) if self.is_timed() => {
+            Device::Floor(_) if self.threshold_v().is_none() && self.is_timed() => {
                 Ok((Kind::Reflectance(Reflectance), Attached::Reflectance { sensor: place, value: 0 }))
             }
             Device::Floor(_)
@@ -272,7 +304,12 @@ impl Part<'_> {
         self.option(|options| options.rc).unwrap_or_else(|| !self.terminals.iter().all(on_adc))
     }
 
-    /// A switch to ground, which bounces as its sensor does.
+    /// The threshold of the comparator that it is before, in volts.
+    fn threshold_v(&self) -> Option<f64> {
+        self.option(|options| options.threshold_v).map(Number::get)
+    }
+
+    /// A switch, which bounces as its sensor does.
     fn switch(&self, name: &str, bounce_us: u32) -> Switch {
         let pull = self.option(|options| options.pull).unwrap_or(Pull::Internal);
         let seed = name.bytes().fold(1, |seed: u64, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
@@ -305,52 +342,25 @@ impl Part<'_> {
         let volts_at_0 = self.option(|options| options.volts_at_0.map(Number::get));
         let volts_at_0 = volts_at_0
             .unwrap_or_else(|| if given.is_some() { 0.0 } else { usual.map_or(0.0, |usual| usual.0) });
+        let source = Source { sensor: place, value, volts_at_0, volts_per_unit };
+        if let Some(threshold_v) = self.threshold_v() {
+            let hysteresis_v = self.option(|options| options.hysteresis_v).map_or(HYSTERESIS_V, Number::get);
+            let low_when = self.option(|options| options.low_when).unwrap_or(LowWhen::Below);
+            // An open collector with a resistor to the supply is to the chip what a switch to ground is that does not bounce.
+            let output = Switch { pull: Pull::External, bounce_us: 0, seed: 0 };
+            let comparator = Comparator { source, threshold_v, hysteresis_v, low_when };
+            return Ok((Kind::Switch(output), Attached::Comparator(comparator)));
+        }
         let ratio = self.option(|options| options.divider).map_or(1.0, Number::get);
-        let attached = Attached::Voltage { sensor: place, value, volts_at_0, volts_per_unit };
-        Ok((Kind::Voltage(Voltage { ratio }), attached))
-    }
-
-    fn encoder(&self, sensor: &Sensor) -> Result<Kind> {
-        let Device::Encoders(encoders) = &sensor.device else {
-            return Err(self.path.error("is not an encoder"));
-        };
-        let channels = if self.uses("b") { Channels::Quadrature } else { Channels::Single };
-        if encoders.quadrature && channels == Channels::Single {
-            let problem = format!("`{0}` counts in quadrature: connect {0}.a and {0}.b", self.name);
-            return Err(self.path.error(problem));
-        }
-        Ok(Kind::Encoder(Encoder { channels, counts_per_turn: encoders.counts_per_turn }))
-    }
-
-    fn motor(&self, side: Side, motors: &Motors) -> Result<(Kind, Attached)> {
-        match motors {
-            Motors::Servo(_) => Ok((Kind::Servo(ServoKind::Continuous), Attached::WheelServo(side))),
-            Motors::Dc(motor) if motor.inductance_h > 0.0 => Err(self.path.error(
-                "a bridge at a chip's pins drives motors without `inductance_h` only; leave that out of motors",
-            )),
-            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()), Attached::Motor(side))),
-            Motors::Stepper(_) => Err(self
-                .path
-                .error("stepper motors have no driver for a chip's pins yet; take dc, velocity or servo")),
-        }
-    }
-
-    /// The kind of the H-bridge, by its terminals.
-    fn bridge(&self) -> BridgeKind {
-        let drop_v = self.option(|options| options.drop_v).map(Number::get);
-        let has_inputs = self.uses("in1") || self.uses("in2");
-        match (has_inputs, self.uses("standby"), drop_v) {
-            (true, true, None) => BridgeKind::TB6612,
-            (true, true, Some(drop_v)) => BridgeKind::Tb6612 { drop_v },
-            (true, false, None) => BridgeKind::L298N,
-            (true, false, Some(drop_v)) => BridgeKind::L298N { drop_v },
-            (false, _, drop_v) => {
-                let decay = self.option(|options| options.decay).unwrap_or(Decay::Brake);
-                BridgeKind::Directed { decay, drop_v: drop_v.unwrap_or(0.0) }
-            }
-        }
+        Ok((Kind::Voltage(Voltage { ratio }), Attached::Voltage(source)))
     }
 }
 
 /// The chip's supply, in volts.
 const SUPPLY_V: f64 = 5.0;
+
+/// The longest bounce of a push-button in milliseconds: 1 to 10 are usual.
+const BOUNCE_MS: f64 = 5.0;
+
+/// The band of a comparator's module, in volts: the resistor from its output back to its input makes some tens of millivolts.
+const HYSTERESIS_V: f64 = 0.02;

@@ -11,6 +11,7 @@ use baudbot_sim::battery::Battery;
 use baudbot_sim::model::OnLate;
 
 use super::cable::{Firmware, Link};
+use crate::controls::RawOperation;
 use crate::faults::RawFault;
 use crate::on_pin::{Pins, RawProgram};
 #[cfg(feature = "schema")]
@@ -52,6 +53,10 @@ pub(crate) struct Robot {
     #[cfg_attr(feature = "schema", schemars(with = "serde_json::Value"))]
     #[serde(default)]
     pub(crate) pins: Pins,
+    /// [Operations](#robotsoperations) of buttons, switches and potentiometers on the pins. Default: none. Range: at most 1000.
+    #[cfg_attr(feature = "schema", schemars(length(max = 1000)))]
+    #[serde(default)]
+    pub(crate) operations: Vec<RawOperation>,
     /// Protocol of the microcontroller, and when it sends messages. Default: framed, streaming.
     #[serde(default)]
     pub(crate) firmware: Firmware,

@@ -11,7 +11,9 @@ impl Attached {
     const fn is_wheel(&self) -> bool {
         match self {
             Self::Motor(_) | Self::WheelServo(_) => true,
-            Self::Voltage { .. }
+            Self::Voltage(_)
+            | Self::Comparator(_)
+            | Self::Control(_)
             | Self::Contact { .. }
             | Self::Wheel(_)
             | Self::Sonar { .. }
@@ -26,7 +28,10 @@ impl Attached {
 impl ChipSpec {
     /// Whether a wheel's motor turns when this wire is high.
     pub fn turns_a_wheel(&self, net: Net) -> bool {
-        let turns = |terminal: Terminal| !matches!(terminal.role, Role::Direction | Role::Standby);
+        let turns = |terminal: Terminal| {
+            let others = [Role::Direction, Role::Standby, Role::Data, Role::Clock, Role::Latch];
+            !others.contains(&terminal.role)
+        };
         self.of_wheels().any(|(terminal, _, other)| other == net && turns(terminal))
     }
 
@@ -56,9 +61,16 @@ struct WheelPin {
 impl WheelPins {
     /// The pins of a chip.
     pub fn new(chip: &ChipSpec) -> Self {
-        let pin = |(_, attached, net): (Terminal, Attached, Net)| {
+        // What is shifted into a register moves nothing before it is latched.
+        let shifts = |terminal: Terminal| matches!(terminal.role, Role::Data | Role::Clock);
+        let pin = |(terminal, attached, net): (Terminal, Attached, Net)| {
             let is_servo = matches!(attached, Attached::WheelServo(_));
-            net.pin().map(|_| WheelPin { net, is_servo, pulse: None, width_ns: None })
+            net.pin().filter(|_| !shifts(terminal)).map(|_| WheelPin {
+                net,
+                is_servo,
+                pulse: None,
+                width_ns: None,
+            })
         };
         Self(chip.of_wheels().filter_map(pin).collect())
     }

@@ -22,6 +22,8 @@ PROGRAMS = [
     (ROOT / "crates/bench/programs/spinning.hex", ROOT / "crates/bench/programs/spinning.c", []),
     (ROOT / "crates/bench/programs/sleeping.hex", ROOT / "crates/bench/programs/sleeping.c", []),
     (ROOT / "catalogue/scenarios/firmware/wander.hex", ROOT / "catalogue/scenarios/firmware/wander.c", []),
+    (ROOT / "catalogue/scenarios/firmware/modules.hex", ROOT / "catalogue/scenarios/firmware/modules.c", []),
+    (ROOT / "catalogue/scenarios/firmware/motor_shield.hex", ROOT / "catalogue/scenarios/firmware/motor_shield.c", []),
 ]
 
 

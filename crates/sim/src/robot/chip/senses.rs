@@ -54,11 +54,36 @@ impl<'a> Around<'a> {
         values.get(value).copied().unwrap_or(0.0)
     }
 
-    /// Whether a switch is pressed at the start of the tick. Its contact bounces on the board.
-    pub(super) fn is_pressed(&mut self, sensor: usize) -> bool {
+    /// Whether a part that is a switch, or is to the chip what a switch is, is closed at the start of the tick, if it was or was not
+    /// before; `None` of other parts. Contacts bounce on the board.
+    pub(super) fn is_closed(
+        &mut self,
+        spec: &ChipSpec,
+        attached: Attached,
+        was_closed: bool,
+    ) -> Option<bool> {
         let start = self.tick_start();
-        self.value(sensor, 0, start);
-        self.microcontroller.is_pressed(sensor)
+        match attached {
+            Attached::Contact { sensor } => {
+                self.value(sensor, 0, start);
+                Some(self.microcontroller.is_pressed(sensor))
+            }
+            Attached::Comparator(comparator) => {
+                let source = comparator.source;
+                let volts = source.volts(self.value(source.sensor, source.value, start));
+                Some(comparator.is_low(volts, was_closed))
+            }
+            Attached::Control(i) => Some(spec.controls()[i].position(start) >= 0.5),
+            Attached::Voltage(_)
+            | Attached::Wheel(_)
+            | Attached::Sonar { .. }
+            | Attached::Reflectance { .. }
+            | Attached::Compass { .. }
+            | Attached::Motor(_)
+            | Attached::WheelServo(_)
+            | Attached::Actuator(_)
+            | Attached::Board => None,
+        }
     }
 }
 
@@ -91,10 +116,20 @@ impl Senses<'_, '_> {
 
 impl Physics for Senses<'_, '_> {
     fn volts(&mut self, part: PartId, at_ns: u64) -> f64 {
-        let Attached::Voltage { sensor, value, volts_at_0, volts_per_unit } = self.attached(part) else {
-            return 0.0;
-        };
-        volts_at_0 + volts_per_unit * self.value(sensor, value, at_ns)
+        match self.attached(part) {
+            Attached::Voltage(source) => source.volts(self.value(source.sensor, source.value, at_ns)),
+            Attached::Control(i) => SUPPLY_V * self.spec.controls()[i].position(self.around.tick_start()),
+            Attached::Comparator(_)
+            | Attached::Contact { .. }
+            | Attached::Wheel(_)
+            | Attached::Sonar { .. }
+            | Attached::Reflectance { .. }
+            | Attached::Compass { .. }
+            | Attached::Motor(_)
+            | Attached::WheelServo(_)
+            | Attached::Actuator(_)
+            | Attached::Board => 0.0,
+        }
     }
 
     fn discharge_ns(&mut self, part: PartId, at_ns: u64) -> u64 {
@@ -140,6 +175,9 @@ impl Physics for Senses<'_, '_> {
 const WHITE_US: f64 = 50.0;
 /// See [`WHITE_US`].
 const BLACK_US: f64 = 2500.0;
+
+/// The board's supply, in volts, between which and ground a potentiometer is.
+const SUPPLY_V: f64 = 5.0;
 
 /// The earth's field in the middle of Europe, in gauss: about 0.2 along the ground and 0.44 into it.
 const HORIZONTAL_GAUSS: f64 = 0.2;

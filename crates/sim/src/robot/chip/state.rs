@@ -12,7 +12,7 @@ use super::motors::Output;
 use super::probe::Socket;
 use super::senses::{Around, Senses};
 use super::uart;
-use crate::chip::{Attached, ChipSpec, Probe, Side};
+use crate::chip::{ChipSpec, Probe, Side};
 use crate::drive::Wheels;
 use crate::link::{Line, Link};
 use crate::model::RobotSpec;
@@ -192,9 +192,7 @@ impl ChipState {
         }
         self.travel_m = travel_m;
         for (closed, attached) in self.contacts.iter_mut().zip(spec.attached()) {
-            if let Attached::Contact { sensor } = *attached {
-                *closed = around.is_pressed(sensor);
-            }
+            *closed = around.is_closed(spec, *attached, *closed).unwrap_or(*closed);
         }
     }
 }
