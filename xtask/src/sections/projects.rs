@@ -12,6 +12,13 @@ fn target(shell: &Shell) -> std::path::PathBuf {
     shell.place.target.join("projects")
 }
 
+/// A command of cargo in a project of a user's. Nobody debugs what it builds, and without what a debugger wants it is there sooner.
+fn cargo(shell: &Shell) -> Command {
+    let mut cargo = shell.command("cargo");
+    cargo.env("CARGO_TARGET_DIR", target(shell)).env("CARGO_PROFILE_DEV_DEBUG", "false");
+    cargo
+}
+
 /// Projects that `baudbot new brain` makes are built in a place that knows nothing of this source, and drive a robot for ten
 /// seconds. They share what they have built with the examples, and are not optimised, to be there sooner.
 pub(super) fn new_brains(shell: &Shell) -> Result<(), Failure> {
@@ -37,8 +44,8 @@ fn in_place(shell: &Shell, program: &Path, place: &Path) -> Result<(), Failure> 
             "the files of new projects that are listed above name the folder of the source".to_owned(),
         ));
     }
-    let mut build = shell.command("cargo");
-    build.arg("build").current_dir(&rust).env("CARGO_TARGET_DIR", target(shell));
+    let mut build = cargo(shell);
+    build.arg("build").current_dir(&rust);
     shell.run(build)?;
     let interpreter = tested_in_python(shell, program, &python)?;
     let mut weaver = shell.command(target(shell).join("debug/weaver"));
@@ -101,8 +108,8 @@ pub(super) fn examples(shell: &Shell) -> Result<(), Failure> {
     let mut formatting = shell.command("cargo");
     formatting.args(["fmt", "--check", "--manifest-path", manifest]);
     shell.run(formatting)?;
-    let mut tests = shell.command("cargo");
-    tests.args(["test", "--quiet", "--manifest-path", manifest]).env("CARGO_TARGET_DIR", target(shell));
+    let mut tests = cargo(shell);
+    tests.args(["test", "--quiet", "--manifest-path", manifest]);
     shell.run(tests)?;
     let follower = target(shell).join("debug/wall-follower");
     comes_back(shell, &program, &follower)?;
