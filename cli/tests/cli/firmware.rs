@@ -182,11 +182,6 @@ fn wires_that_nobody_would_make_are_refused_by_their_pin() {
              hysteresis_v and low_when",
         ),
         (
-            "no-channel",
-            "5 = [\"motors.left.latch\", \"motors.left.clock\", \"motors.left.data\", \"motors.left.enable\", \"motors.left.pwm\"]",
-            "`motors.left` is at a shield's shift register and needs the number of its motor",
-        ),
-        (
             "a-fifth-channel",
             "5 = [\"motors.left.latch\", { to = \"motors.left.pwm\", channel = 5 }]",
             "robots[0].pins.5[1].channel: must be 1 to 4, is 5",

@@ -29,7 +29,7 @@ impl Part<'_> {
             Motors::Dc(motor) if motor.inductance_h > 0.0 => Err(self.path.error(
                 "a bridge at a chip's pins drives motors without `inductance_h` only; leave that out of motors",
             )),
-            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge()?), Attached::Motor(side))),
+            Motors::Dc(_) | Motors::Velocity(_) => Ok((Kind::Bridge(self.bridge(side)?), Attached::Motor(side))),
             Motors::Stepper(_) => Err(self
                 .path
                 .error("stepper motors have no driver for a chip's pins yet; take dc, velocity or servo")),
@@ -37,11 +37,11 @@ impl Part<'_> {
     }
 
     /// The kind of the H-bridge, by its terminals.
-    fn bridge(&self) -> Result<BridgeKind> {
+    fn bridge(&self, side: Side) -> Result<BridgeKind> {
         let drop_v = self.option(|options| options.drop_v).map(Number::get);
         if ["latch", "clock", "data"].into_iter().any(|terminal| self.uses(terminal)) {
             let drop_v = drop_v.unwrap_or(BridgeKind::L293D_DROP_V);
-            return Ok(BridgeKind::Shield { motor: self.shield_motor()?, drop_v });
+            return Ok(BridgeKind::Shield { motor: self.shield_motor(side)?, drop_v });
         }
         let has_inputs = self.uses("in1") || self.uses("in2");
         Ok(match (has_inputs, self.uses("standby"), drop_v) {
@@ -56,19 +56,16 @@ impl Part<'_> {
         })
     }
 
-    /// The motor of a shield that is meant.
-    fn shield_motor(&self) -> Result<ShieldMotor> {
-        let numbered = self.terminals.iter().find_map(|used| Some((used, used.options.channel?)));
-        let Some((used, channel)) = numbered else {
-            let problem = format!(
-                "`{0}` is at a shield's shift register and needs the number of its motor, as in 11 = {{ to = \"{0}.pwm\", channel = 1 }}",
-                self.name
-            );
-            return Err(self.path.error(problem));
+    /// The motor of a shield that is meant: M1 on the left and M2 on the right, if nothing else is said.
+    fn shield_motor(&self, side: Side) -> Result<ShieldMotor> {
+        let numbered = self.terminals.iter().find_map(|used| Some((used.path, used.options.channel?)));
+        let Some((path, channel)) = numbered else {
+            return Ok(match side {
+                Side::Left => ShieldMotor::M1,
+                Side::Right => ShieldMotor::M2,
+            });
         };
         let motor = usize::from(channel).checked_sub(1).and_then(|place| ShieldMotor::ALL.get(place));
-        motor
-            .copied()
-            .ok_or_else(|| used.path.field("channel").error(format!("must be 1 to 4, is {channel}")))
+        motor.copied().ok_or_else(|| path.field("channel").error(format!("must be 1 to 4, is {channel}")))
     }
 }
