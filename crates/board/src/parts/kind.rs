@@ -15,7 +15,7 @@ pub enum Kind {
     Voltage(Voltage),
     /// A reflectance sensor that discharges a capacitor.
     Reflectance(Reflectance),
-    /// A switch to ground: a whisker, a bumper, a button.
+    /// A switch: a whisker, a bumper, a button, the output of a comparator.
     Switch(Switch),
     /// An encoder of a wheel.
     Encoder(Encoder),
