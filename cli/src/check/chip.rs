@@ -48,9 +48,10 @@ pub(super) fn pins(chip: &ChipSpec) -> Vec<[String; 3]> {
             Net::Pin(_) => format!("{} ({net})", net.printed()),
             Net::AnalogOnly(_) | Net::Ground | Net::Supply => net.printed(),
         };
-        let part = match chip.attached().get(terminal.part.index()) {
-            Some(Attached::Comparator(_)) => "comparator",
-            _ => placed.map_or("", |(_, placed)| what(placed.kind())),
+        let part = if let Some(Attached::Comparator(_)) = chip.attached().get(terminal.part.index()) {
+            "comparator"
+        } else {
+            placed.map_or("", |(_, placed)| what(placed.kind()))
         };
         [pin, wiring.terminal_name(terminal), part.to_owned()]
     };

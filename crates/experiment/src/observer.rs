@@ -16,8 +16,6 @@ struct Observer {
     slack: Peak,
     staleness: Peak,
     battery: Option<f64>,
-    /// The turns of each robot's brain that were seen: no reading has come to be used since then.
-    turns: Vec<u64>,
 }
 
 /// The sight of a world from its first tick on.
@@ -80,7 +78,6 @@ impl Observer {
             slack: Peak::default(),
             staleness: Peak::default(),
             battery: None,
-            turns: vec![0; world.robots().len()],
         };
         observer.see(world);
         observer
@@ -90,12 +87,9 @@ impl Observer {
     fn see(&mut self, world: &World) {
         self.nearness.see(world);
         let now_ns = world.time().as_ns();
-        for (robot, turns) in world.robots().zip(&mut self.turns) {
+        for robot in world.robots() {
             self.slack.note(excess_ns(&robot), now_ns);
-            let turns_before = core::mem::replace(turns, robot.counters().turns);
-            if *turns != turns_before {
-                self.staleness.note(robot.longest_age_ns().map(u64::cast_signed), now_ns);
-            }
+            self.staleness.note(robot.longest_age_ns().map(u64::cast_signed), now_ns);
             if let Some((battery, state)) = robot.battery() {
                 let share = state.share(battery);
                 self.battery = Some(self.battery.map_or(share, |least| least.min(share)));

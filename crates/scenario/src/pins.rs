@@ -34,7 +34,8 @@ pub(super) struct Options {
     pub(super) bounce_ms: Option<Number<Between<0, 1000>>>,
     /// For a switch: the resistor that holds the open pin: high, or low with `"down"`, for a switch to the supply. Default: `"internal"`.
     pub(super) pull: Option<Pull>,
-    /// For a motor shield: number of the motor, as printed on it. Default: 1 of the left motor, 2 of the right one.
+    /// For a motor shield: number of the motor, as printed on it. Default: 1 of the left motor, 2 of the right one. Range: 1
+    /// to 4.
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 4)))]
     pub(super) channel: Option<u8>,
     /// For a motor's driver: voltage drop across it. Default: 2.55 of an L298N, 2.6 of a shield's L293D, 0.5 of a TB6612, else 0.0.

@@ -104,8 +104,8 @@ impl State {
     pub(crate) fn new(kind: BridgeKind) -> Self {
         let (pwm, enable) = match kind {
             BridgeKind::L298N { .. } => (1.0, 0.0),
-            // Wires that nothing drives are low, and a low `enable` of a register is on.
             BridgeKind::Tb6612 { .. } => (0.0, 0.0),
+            // A wire that nothing drives is low, and a low `enable` switches a shield's register on.
             BridgeKind::Shield { .. } | BridgeKind::Directed { .. } => (0.0, 1.0),
         };
         let meter = Meter::default();
